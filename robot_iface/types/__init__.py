@@ -1,0 +1,58 @@
+"""Values that the motion core is handed, passes on and reports."""
+
+from robot_iface.types.device import Capabilities, CommandMode, DeviceCommand, DeviceState
+from robot_iface.types.hand import (
+    DIGITS,
+    FINGERS,
+    JOINTS,
+    LANDMARKS,
+    Float64,
+    Int64,
+    Side,
+    UInt8,
+    joint_index,
+)
+from robot_iface.types.plan import (
+    MODES,
+    VIRTUAL_KINDS,
+    Certificate,
+    Limits,
+    Mode,
+    PatientTwin,
+    Plan,
+    Prescription,
+    ReferencePath,
+    VirtualKind,
+)
+from robot_iface.types.run import PhaseChange, RunEnd, SafetyEvent, SafetyState, TickBlock
+
+__all__ = [
+    "DIGITS",
+    "FINGERS",
+    "JOINTS",
+    "LANDMARKS",
+    "MODES",
+    "VIRTUAL_KINDS",
+    "Capabilities",
+    "Certificate",
+    "CommandMode",
+    "DeviceCommand",
+    "DeviceState",
+    "Float64",
+    "Int64",
+    "Limits",
+    "Mode",
+    "PatientTwin",
+    "PhaseChange",
+    "Plan",
+    "Prescription",
+    "ReferencePath",
+    "RunEnd",
+    "SafetyEvent",
+    "SafetyState",
+    "Side",
+    "TickBlock",
+    "UInt8",
+    "VirtualKind",
+    "joint_index",
+]
