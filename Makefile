@@ -6,27 +6,15 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 DEV_STAMP := $(VENV)/.installed-dev
 PYTEST := $(BIN)/python -m pytest
+WORKERS ?= 2
 
-.PHONY: demo test check bench examples browser-tools clean
+.PHONY: demo test check bench examples tools clean
 
 demo: $(STAMP)
-	$(BIN)/rehab-app demo --serve
+	@$(BIN)/rehab-app demo --serve
 
-$(STAMP): pyproject.toml
-	@$(PYTHON) -c 'import sys; sys.exit(0 if (3,11) <= sys.version_info < (3,14) else "rehab-app needs Python 3.11 to 3.13, this is %s; set PYTHON=python3.11" % sys.version.split()[0])'
-	@$(PYTHON) -m venv $(VENV) || { echo "python3 cannot make a virtual environment here: apt-get install python3-venv, then run make again" >&2; exit 1; }
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
-	@touch $@
-
-$(DEV_STAMP): $(STAMP) tests/foreign/package.json
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'
-	@touch $@
-
-browser-tools:
-	@bash tests/install-tools.sh
-
-test: $(DEV_STAMP) browser-tools check
-	$(PYTEST) -n 2 --dist loadgroup -m "not bench" tests
+test: $(DEV_STAMP) tools check
+	$(PYTEST) -n $(WORKERS) --dist loadgroup -m "not bench" tests
 
 check: $(DEV_STAMP)
 	$(BIN)/ruff check .
@@ -40,5 +28,22 @@ bench: $(DEV_STAMP)
 examples: $(STAMP)
 	$(BIN)/rehab-app demo --examples docs/examples
 
+tools:
+	@bash tests/install-tools.sh
+
+$(STAMP): pyproject.toml
+	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: install Python 3.11 to 3.13 (Debian: sudo apt-get install python3 python3-venv) and run make again." >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(0 if (3, 11) <= sys.version_info[:2] <= (3, 13) else "Python is %d.%d, but must be 3.11 to 3.13: run make with PYTHON=python3.12 or the like." % sys.version_info[:2])'
+	@$(PYTHON) -m venv --clear $(VENV) >/dev/null 2>&1 \
+	  || { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && apt-get update -qq \
+	       && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq python3-venv >/dev/null && $(PYTHON) -m venv --clear $(VENV); } \
+	  || { echo "$(PYTHON) cannot make a virtual environment: install python3-venv (Debian: sudo apt-get install python3-venv) and run make again." >&2; exit 1; }
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+$(DEV_STAMP): $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@
+
 clean:
-	rm -rf $(VENV) node_modules build dist
+	rm -rf $(VENV) tests/foreign/node_modules build dist

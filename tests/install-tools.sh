@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Installs what the tests need beside Python: Chromium for the browser test, Node and one npm package for the
+# stranger's reader. Uses apt where it may; elsewhere it says in one sentence what to install, and goes on:
+# the tests that need the missing tool then skip (never in CI, where CI=true makes them fail).
+set -euo pipefail
+cd "$(dirname "$0")"
+
+missing=()
+command -v chromium >/dev/null || command -v chromium-browser >/dev/null || missing+=(chromium)
+command -v node >/dev/null || missing+=(nodejs)
+command -v npm >/dev/null || missing+=(npm)
+
+if [ ${#missing[@]} -gt 0 ]; then
+  if command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
+    export DEBIAN_FRONTEND=noninteractive
+    apt-get update -qq
+    apt-get install -y -qq --no-install-recommends "${missing[@]}" fonts-dejavu-core >/dev/null
+  else
+    echo "The browser test and the stranger's reader need ${missing[*]}: install them (Debian: sudo apt-get install ${missing[*]}) and run make test again." >&2
+  fi
+fi
+
+if command -v npm >/dev/null && [ ! -f foreign/node_modules/.installed ]; then
+  (cd foreign && npm install --no-audit --no-fund --no-package-lock --silent && touch node_modules/.installed)
+fi
