@@ -1,0 +1,27 @@
+"""Who, what and when of a clinic: one SQLite file beside the recordings."""
+
+from sessions.catalogue.catalogue import Catalogue
+from sessions.catalogue.records import (
+    ROLES,
+    Approval,
+    AuditRow,
+    Exercise,
+    Patient,
+    PrescriptionRow,
+    Take,
+    TherapySession,
+    User,
+)
+
+__all__ = [
+    "ROLES",
+    "Approval",
+    "AuditRow",
+    "Catalogue",
+    "Exercise",
+    "Patient",
+    "PrescriptionRow",
+    "Take",
+    "TherapySession",
+    "User",
+]

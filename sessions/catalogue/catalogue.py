@@ -1,0 +1,53 @@
+"""The catalogue of a clinic folder: values in, values out, one short transaction per verb, any thread."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from sessions.catalogue.engine import open_engine
+from sessions.catalogue.people import People
+from sessions.catalogue.takes import Takes
+from sessions.catalogue.therapy import Therapy
+from sessions.catalogue.trail import Trail
+from sessions.errors import Refused
+
+FILE = "clinic.sqlite3"
+
+
+class Catalogue(People, Takes, Therapy, Trail):
+    """Users, patients, exercises, takes, approvals, prescriptions, therapy sessions and the audit."""
+
+    @classmethod
+    def open(cls, folder: Path, url: str = "", clock_ns: Callable[[], int] = time.time_ns) -> Catalogue:
+        """Open the catalogue of a clinic folder, making or migrating it where needed.
+
+        Args:
+            folder: Clinic folder; it is made where it does not exist.
+            url: SQLAlchemy URL; by default the SQLite file in the folder.
+            clock_ns: UTC in ns.
+
+        Raises:
+            Refused: The folder or data base cannot be used.
+        """
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise Refused(
+                "clinic folder",
+                f"not usable ({error.strerror})",
+                "a folder that can be written",
+                "choose another with --data",
+            ) from error
+        return cls(open_engine(url or f"sqlite:///{folder / FILE}"), clock_ns)
+
+    def close(self) -> None:
+        """Give back every connection."""
+        self._engine.dispose()
+
+    def __enter__(self) -> Catalogue:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

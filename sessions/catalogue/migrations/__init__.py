@@ -1,0 +1,1 @@
+"""Alembic migrations of the catalogue; they run when it is opened."""

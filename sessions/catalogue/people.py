@@ -1,0 +1,117 @@
+"""Verbs about people: those who sign in, and patients."""
+
+from __future__ import annotations
+
+from sqlalchemy import func, select
+
+from sessions.catalogue.ledger import Ledger
+from sessions.catalogue.records import Patient, User
+from sessions.catalogue.rows import find_patient, patient_row, user_row, value_of
+from sessions.catalogue.tables import PatientRow, UserRow
+from sessions.errors import Refused
+
+
+class People(Ledger):
+    """Users and patients."""
+
+    def add_user(self, user: User) -> User:
+        """Add a person who may sign in; its id and time are given here.
+
+        Raises:
+            Refused: The name is taken.
+        """
+        with self._writing() as session:
+            if session.scalar(select(UserRow).where(UserRow.name == user.name)):
+                raise Refused(f"user {user.name}", "already there", "a new name", "choose another name")
+            row = UserRow(user.name, user.role, user.password_hash, user.active, self._clock_ns())
+            session.add(row)
+            session.flush()
+            return value_of(User, row)
+
+    def user(self, name: str) -> User:
+        """A user by sign-in name.
+
+        Raises:
+            Refused: No user has that name.
+        """
+        with self._reading() as session:
+            return value_of(User, user_row(session, name))
+
+    def users(self) -> tuple[User, ...]:
+        """All users by name."""
+        with self._reading() as session:
+            rows = session.scalars(select(UserRow).order_by(UserRow.name))
+            return tuple(value_of(User, row) for row in rows)
+
+    def change_user(self, user: User) -> User:
+        """Write role, password hash and activity of the user with this name.
+
+        Raises:
+            Refused: No user has that name.
+        """
+        with self._writing() as session:
+            row = user_row(session, user.name)
+            row.role, row.password_hash, row.active = user.role, user.password_hash, user.active
+            return value_of(User, row)
+
+    def add_patient(self, patient: Patient) -> Patient:
+        """Add a patient; the pseudonym (P-0001 and so on) is given here, unless the patient brings one.
+
+        Raises:
+            Refused: The pseudonym is taken.
+        """
+        with self._writing() as session:
+            number = 1 + (session.scalar(select(func.max(PatientRow.number))) or 0)
+            while not patient.id and find_patient(session, f"P-{number:04d}"):
+                number += 1
+            pseudonym = patient.id or f"P-{number:04d}"
+            if find_patient(session, pseudonym):
+                raise Refused(f"patient {pseudonym}", "already there", "a new pseudonym", "leave it out")
+            row = PatientRow(
+                pseudonym,
+                patient.given_name,
+                patient.family_name,
+                patient.birth_date,
+                patient.side,
+                patient.hand_length_m,
+                patient.impairment,
+                patient.archived,
+                self._clock_ns(),
+            )
+            session.add(row)
+            session.flush()
+            return value_of(Patient, row)
+
+    def patient(self, pseudonym: str) -> Patient:
+        """A patient by pseudonym.
+
+        Raises:
+            Refused: No patient has it.
+        """
+        with self._reading() as session:
+            return value_of(Patient, patient_row(session, pseudonym))
+
+    def patients(self, *, archived: bool = False) -> tuple[Patient, ...]:
+        """Patients by pseudonym; the archived ones only when asked for."""
+        with self._reading() as session:
+            rows = session.scalars(
+                select(PatientRow).where(PatientRow.archived == archived).order_by(PatientRow.number)
+            )
+            return tuple(value_of(Patient, row) for row in rows)
+
+    def change_patient(self, patient: Patient) -> Patient:
+        """Write everything of the patient with this pseudonym, archived or not among it.
+
+        Raises:
+            Refused: No patient has the pseudonym.
+        """
+        with self._writing() as session:
+            row = patient_row(session, patient.id)
+            row.given_name, row.family_name, row.birth_date = (
+                patient.given_name,
+                patient.family_name,
+                patient.birth_date,
+            )
+            row.side, row.hand_length_m = patient.side, patient.hand_length_m
+            row.impairment, row.archived = patient.impairment, patient.archived
+            return value_of(Patient, row)

@@ -1,0 +1,124 @@
+"""The tables of the catalogue, typed. Migrations bring a file to this shape; nothing else makes tables."""
+
+from __future__ import annotations
+
+from sqlalchemy import BigInteger, ForeignKey, MetaData, String, Text
+from sqlalchemy.orm import DeclarativeBase, Mapped, MappedAsDataclass, mapped_column
+
+NAMES = {
+    "ix": "ix_%(column_0_label)s",
+    "uq": "uq_%(table_name)s_%(column_0_name)s",
+    "fk": "fk_%(table_name)s_%(column_0_name)s",
+    "pk": "pk_%(table_name)s",
+}
+
+
+class Table(MappedAsDataclass, DeclarativeBase):
+    """Root of all tables."""
+
+    metadata = MetaData(naming_convention=NAMES)
+
+
+class UserRow(Table):
+    """People who may sign in."""
+
+    __tablename__ = "users"
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    name: Mapped[str] = mapped_column(String(120), unique=True)
+    role: Mapped[str] = mapped_column(String(20))
+    password_hash: Mapped[str] = mapped_column(Text)
+    active: Mapped[bool]
+    created_utc_ns: Mapped[int] = mapped_column(BigInteger)
+
+
+class PatientRow(Table):
+    """Patients; the only table with their names."""
+
+    __tablename__ = "patients"
+    number: Mapped[int] = mapped_column(primary_key=True, init=False)
+    id: Mapped[str] = mapped_column(String(20), unique=True)
+    given_name: Mapped[str] = mapped_column(String(120))
+    family_name: Mapped[str] = mapped_column(String(120))
+    birth_date: Mapped[str] = mapped_column(String(10))
+    side: Mapped[str] = mapped_column(String(5))
+    hand_length_m: Mapped[float]
+    impairment: Mapped[str] = mapped_column(Text)
+    archived: Mapped[bool]
+    created_utc_ns: Mapped[int] = mapped_column(BigInteger)
+
+
+class ExerciseRow(Table):
+    """The library of exercises."""
+
+    __tablename__ = "exercises"
+    name: Mapped[str] = mapped_column(String(120), primary_key=True)
+    description: Mapped[str] = mapped_column(Text)
+
+
+class TakeRow(Table):
+    """Recorded demonstrations."""
+
+    __tablename__ = "takes"
+    id: Mapped[str] = mapped_column(String(64), primary_key=True)
+    sha256: Mapped[str] = mapped_column(String(64), unique=True)
+    path: Mapped[str] = mapped_column(Text, unique=True)
+    side: Mapped[str] = mapped_column(String(5))
+    exercise: Mapped[str] = mapped_column(String(120))
+    source: Mapped[str] = mapped_column(String(60))
+    duration_s: Mapped[float]
+    subject_id: Mapped[str] = mapped_column(String(60))
+    parent: Mapped[str | None] = mapped_column(ForeignKey("takes.id"))
+    created_utc_ns: Mapped[int] = mapped_column(BigInteger)
+
+
+class ApprovalRow(Table):
+    """Approvals, the last one of a take holds."""
+
+    __tablename__ = "approvals"
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    take: Mapped[str] = mapped_column(ForeignKey("takes.id"), index=True)
+    by: Mapped[str] = mapped_column(String(120))
+    utc_ns: Mapped[int] = mapped_column(BigInteger)
+    digest: Mapped[str] = mapped_column(String(64))
+
+
+class PrescriptionTableRow(Table):
+    """What was ordered."""
+
+    __tablename__ = "prescriptions"
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    patient: Mapped[str] = mapped_column(ForeignKey("patients.id"), index=True)
+    take: Mapped[str] = mapped_column(ForeignKey("takes.id"))
+    mode: Mapped[str] = mapped_column(String(20))
+    speed: Mapped[float]
+    repetitions: Mapped[int]
+    stiffness_multiple: Mapped[float]
+    limits: Mapped[str] = mapped_column(Text)
+    created_utc_ns: Mapped[int] = mapped_column(BigInteger)
+
+
+class TherapySessionRow(Table):
+    """Runs on the robot."""
+
+    __tablename__ = "therapy_sessions"
+    id: Mapped[str] = mapped_column(String(64), primary_key=True)
+    patient: Mapped[str | None] = mapped_column(ForeignKey("patients.id"), index=True)
+    take: Mapped[str] = mapped_column(ForeignKey("takes.id"))
+    sha256: Mapped[str] = mapped_column(String(64), unique=True)
+    path: Mapped[str] = mapped_column(Text, unique=True)
+    mode: Mapped[str] = mapped_column(String(20))
+    started_utc_ns: Mapped[int] = mapped_column(BigInteger)
+
+
+class AuditTableRow(Table):
+    """The hash chain of what was done."""
+
+    __tablename__ = "audit"
+    seq: Mapped[int] = mapped_column(primary_key=True, autoincrement=False)
+    utc_ns: Mapped[int] = mapped_column(BigInteger)
+    actor: Mapped[str] = mapped_column(String(120))
+    verb: Mapped[str] = mapped_column(String(60))
+    subject: Mapped[str] = mapped_column(String(120))
+    detail: Mapped[str] = mapped_column(Text)
+    previous_hash: Mapped[str] = mapped_column(String(64))
+    hash: Mapped[str] = mapped_column(String(64))

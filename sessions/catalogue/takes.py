@@ -1,0 +1,99 @@
+"""Verbs about what was demonstrated: exercises, takes and their approval."""
+
+from __future__ import annotations
+
+from sqlalchemy import select
+
+from sessions.catalogue.ledger import Ledger
+from sessions.catalogue.records import Approval, Exercise, Take
+from sessions.catalogue.rows import refuse_path, relative, short_id, take_row, value_of
+from sessions.catalogue.tables import ApprovalRow, ExerciseRow, TakeRow
+from sessions.errors import Refused
+
+
+class Takes(Ledger):
+    """Exercises, takes and approvals."""
+
+    def add_exercise(self, exercise: Exercise) -> Exercise:
+        """Add an exercise, or change the description of the one with this name."""
+        with self._writing() as session:
+            session.merge(ExerciseRow(exercise.name, exercise.description))
+            return exercise
+
+    def exercises(self) -> tuple[Exercise, ...]:
+        """The library by name."""
+        with self._reading() as session:
+            rows = session.scalars(select(ExerciseRow).order_by(ExerciseRow.name))
+            return tuple(value_of(Exercise, row) for row in rows)
+
+    def add_take(self, take: Take) -> Take:
+        """Add a sealed take; its id is given here. A file that is there already is given back as it is.
+
+        Raises:
+            Refused: The digest or path is not one, or the parent is unknown.
+        """
+        path = relative(take.path)
+        with self._writing() as session:
+            known = session.scalar(select(TakeRow).where(TakeRow.sha256 == take.sha256))
+            if known is not None:
+                return value_of(Take, known)
+            given = short_id(take.sha256, lambda text: session.get(TakeRow, text) is not None)
+            parent = take_row(session, take.parent).id if take.parent else None
+            row = TakeRow(
+                given,
+                take.sha256,
+                path,
+                take.side,
+                take.exercise,
+                take.source,
+                take.duration_s,
+                take.subject_id,
+                parent,
+                self._clock_ns(),
+            )
+            refuse_path(session.scalar(select(TakeRow.id).where(TakeRow.path == path)), path)
+            session.add(row)
+            return value_of(Take, row)
+
+    def take(self, take: str) -> Take:
+        """A take by id, digest or unique beginning of it.
+
+        Raises:
+            Refused: No take has it.
+        """
+        with self._reading() as session:
+            return value_of(Take, take_row(session, take))
+
+    def takes(self) -> tuple[Take, ...]:
+        """All takes, newest first."""
+        with self._reading() as session:
+            rows = session.scalars(select(TakeRow).order_by(TakeRow.created_utc_ns.desc(), TakeRow.id))
+            return tuple(value_of(Take, row) for row in rows)
+
+    def approve(self, take: str, by: str) -> Approval:
+        """Record a therapist's approval of exactly this file. Whether ``by`` may approve is for services.
+
+        Raises:
+            Refused: No take has that id, or nobody is named.
+        """
+        if not by.strip():
+            raise Refused("approval", "by nobody", "by a named therapist", "name the user with --by")
+        with self._writing() as session:
+            found = take_row(session, take)
+            row = ApprovalRow(found.id, by.strip(), self._clock_ns(), found.sha256)
+            session.add(row)
+            return value_of(Approval, row)
+
+    def approval(self, take: str) -> Approval | None:
+        """The last approval of a take, None where it was never approved.
+
+        Raises:
+            Refused: No take has that id.
+        """
+        with self._reading() as session:
+            found = take_row(session, take)
+            query = select(ApprovalRow).where(
+                ApprovalRow.take == found.id, ApprovalRow.digest == found.sha256
+            )
+            row = session.scalar(query.order_by(ApprovalRow.id.desc()).limit(1))
+            return None if row is None else value_of(Approval, row)

@@ -1,0 +1,49 @@
+"""Dose and interruptions: time in movement, repetitions against the prescription, stops."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sessions.metrics.metric import Estimate
+from sessions.records.fields import Float64
+
+
+def time_in(t_s: Float64, phase: NDArray[np.str_], wanted: Sequence[str]) -> Estimate:
+    """Seconds spent in some phases: each row lasts until the next one.
+
+    Args:
+        t_s: Times of the phase rows, shape (N,).
+        phase: Phase of each row, shape (N,).
+        wanted: Phases that count.
+    """
+    if t_s.size < 2:
+        return Estimate.missing("no phases were recorded")
+    return Estimate(float(np.sum(np.diff(t_s)[np.isin(phase[:-1], list(wanted))])))
+
+
+def dose_completed(completed: int, prescription: str) -> Estimate:
+    """Completed repetitions over prescribed ones.
+
+    Args:
+        completed: Repetitions that reached their end.
+        prescription: JSON object of the session's header; its ``repetitions`` is what was ordered.
+    """
+    ordered = prescribed_repetitions(prescription)
+    if ordered is None:
+        return Estimate.missing("the file does not say how many repetitions were prescribed")
+    return Estimate(completed / ordered)
+
+
+def prescribed_repetitions(prescription: str) -> int | None:
+    """How many repetitions the header's prescription orders, None where it does not say."""
+    try:
+        content: Any = json.loads(prescription)
+    except ValueError:
+        return None
+    ordered: Any = content.get("repetitions") if isinstance(content, dict) else None
+    return ordered if isinstance(ordered, int) and not isinstance(ordered, bool) and ordered > 0 else None

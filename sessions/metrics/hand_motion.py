@@ -1,0 +1,173 @@
+"""Numbers that a moving hand has whether or not somebody is to be followed: range, smoothness, strokes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sessions.metrics.filtering import FILTER, cut_hz
+from sessions.metrics.metric import Estimate, Metric, metric
+from sessions.metrics.motion_range import joint_range, total_active_motion
+from sessions.metrics.recording import Origin, digit_with_all_joints, seconds
+from sessions.metrics.repetitions import Cycles, cycles, main_movement
+from sessions.metrics.strokes import StrokeValues, over_strokes, smoothness_floor, stroke_values
+from sessions.records import DIGITS, FINGERS, JOINTS, Status, Topic
+from sessions.records.fields import Float64, Int64, UInt8
+
+FLEXION = np.array([0.0 if joint.endswith("abduction") else 1.0 for joint in JOINTS])
+MOSTLY = 0.95
+FLOOR_SEED = 2015
+ESTIMATED = "estimated from other joints, not measured"
+ARM = "reliability is known for reaching arms, not for fingers"
+
+
+@dataclass(frozen=True, slots=True)
+class HandMotion:
+    """A hand over time, in the palm frame.
+
+    Attributes:
+        topic: Where it was read.
+        t_ns: Times, shape (N,).
+        joints_rad: Angles, shape (N, 21).
+        joint_std_rad: Their standard deviations, shape (N, 21).
+        joint_status: Their status, shape (N, 21).
+        fingertips_m: Fingertips, shape (N, 5, 3).
+        fingertip_std_m: Standard deviation per axis, shape (N, 5).
+    """
+
+    topic: Topic
+    t_ns: Int64
+    joints_rad: Float64
+    joint_std_rad: Float64
+    joint_status: UInt8
+    fingertips_m: Float64
+    fingertip_std_m: Float64
+
+    def usable_joint(self, joint: int) -> tuple[Float64, str]:
+        """Angles of one joint (N,) with NaN where they may not be used, and what must be said of them."""
+        status = self.joint_status[:, joint]
+        measured = (status == Status.MEASURED) & np.isfinite(self.joints_rad[:, joint])
+        if not bool(measured.any()):
+            usable = status == Status.ESTIMATED
+            return np.where(usable, self.joints_rad[:, joint], np.nan), ESTIMATED if usable.any() else ""
+        share = float(measured.mean())
+        flag = "" if share >= MOSTLY else f"measured in {share:.0%} of the frames"
+        return np.where(measured, self.joints_rad[:, joint], np.nan), flag
+
+    def measured_joints(self) -> Float64:
+        """Angles with NaN wherever they were not measured, shape (N, 21)."""
+        return np.where(self.joint_status == Status.MEASURED, self.joints_rad, np.nan)
+
+    def usable_tips(self) -> Float64:
+        """Fingertips with NaN where a joint of the digit was lost, shape (N, 5, 3)."""
+        there = digit_with_all_joints(self.joint_status, Status.ESTIMATED)
+        return np.where(there[..., None], self.fingertips_m, np.nan)
+
+    def tip_flag(self, digit: int) -> str:
+        """What must be said of a fingertip that rests on estimated joints; empty if nothing."""
+        share = 1.0 - float(digit_with_all_joints(self.joint_status, Status.MEASURED)[:, digit].mean())
+        return (
+            ""
+            if share <= 1.0 - MOSTLY
+            else f"a joint of the digit was estimated in {share:.0%} of the frames"
+        )
+
+
+def range_metrics(motion: HandMotion, origin: Origin) -> list[Metric]:
+    """Range, smallest and largest angle of each of the 21 joints."""
+    found: list[Metric] = []
+    t_s = seconds(motion.t_ns)
+    lineage = origin.lineage((motion.topic,), motion.t_ns, FILTER)
+    for column, joint in enumerate(JOINTS):
+        angle, flag = motion.usable_joint(column)
+        extent = joint_range(t_s, angle, motion.joint_std_rad[:, column])
+        for name, value in zip(
+            ("range_of_motion", "angle_min", "angle_max"),
+            (extent.width, extent.low, extent.high),
+            strict=True,
+        ):
+            found.append(metric(name, joint, value, lineage, flag))
+    return found
+
+
+def main_cycles(motion: HandMotion, rows: NDArray[np.bool_] | None = None) -> Cycles:
+    """Cycles of the main movement.
+
+    Args:
+        motion: The hand.
+        rows: Boolean mask (N,) of rows that count; all where None.
+    """
+    angles = np.where(motion.joint_status >= Status.ESTIMATED, motion.joints_rad, np.nan)
+    movement = main_movement(angles, FLEXION)
+    if rows is not None:
+        movement = np.where(rows, movement, np.nan)
+    return cycles(seconds(motion.t_ns), movement)
+
+
+def stroke_metrics(motion: HandMotion, strokes_s: Float64, origin: Origin) -> list[Metric]:
+    """Smoothness, time, speed and path of each fingertip over the strokes (S, 2)."""
+    found: list[Metric] = []
+    t_s, tips = seconds(motion.t_ns), motion.usable_tips()
+    rng = np.random.default_rng(FLOOR_SEED)
+    for column, digit in enumerate(DIGITS):
+        values = stroke_values(t_s, tips[:, column], strokes_s)
+        lineage = origin.lineage((motion.topic,), motion.t_ns, _filter_of(values))
+        flag = motion.tip_flag(column)
+        for name, read, remark in _STROKE_ROWS:
+            estimate = over_strokes([read(item) for item in values])
+            found.append(metric(name, digit, estimate, lineage, "; ".join(filter(None, (flag, remark)))))
+        floors = smoothness_floor(values, _noise_m(motion.fingertip_std_m[:, column]), rng)
+        for name, floor in zip(("sparc_floor", "ldlj_floor"), floors, strict=True):
+            found.append(metric(name, digit, floor, lineage))
+    return found
+
+
+def active_motion_metrics(motion: HandMotion, origin: Origin, refusal: str = "") -> list[Metric]:
+    """Total active motion of the four fingers, at the one instant of the fullest fist and opening.
+
+    Args:
+        motion: The hand.
+        origin: Which file.
+        refusal: Why it would not be active motion (the robot moved the hand); empty if it was.
+    """
+    lineage = origin.lineage((motion.topic,), motion.t_ns)
+    measured = motion.measured_joints()
+    found: list[Metric] = []
+    for finger in FINGERS:
+        columns = [JOINTS.index(f"{finger}_{part}") for part in ("mcp_flexion", "pip", "dip")]
+        angles = measured[:, columns]
+        whole = np.isfinite(angles).all(axis=1)
+        if refusal or not bool(whole.any()):
+            value = Estimate.missing(refusal or "MCP, PIP and DIP were never measured together")
+        else:
+            total = np.where(whole, angles.sum(axis=1), np.nan)
+            value = total_active_motion(angles[np.nanargmax(total)], angles[np.nanargmin(total)])
+        found.append(
+            metric("total_active_motion", finger, value, lineage, "the take need not show full effort")
+        )
+    return found
+
+
+_STROKE_ROWS: tuple[tuple[str, Callable[[StrokeValues], Estimate], str], ...] = (
+    ("sparc", lambda item: item.sparc, ARM),
+    ("ldlj", lambda item: item.ldlj, ARM),
+    ("movement_time", lambda item: item.movement_time, ""),
+    ("peak_speed", lambda item: item.peak_speed, ""),
+    ("path_ratio", lambda item: item.path_ratio, ""),
+)
+
+
+def _filter_of(values: list[StrokeValues]) -> str:
+    if not values:
+        return FILTER
+    rate = values[0].rate_hz
+    return f"{FILTER.replace('6 Hz', f'{cut_hz(rate):.3g} Hz')}, {rate:.3g} samples/s"
+
+
+def _noise_m(std_m: Float64) -> float:
+    known = std_m[np.isfinite(std_m)]
+    return float(np.median(known)) if known.size else math.nan

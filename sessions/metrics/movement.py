@@ -1,0 +1,51 @@
+"""Shape and time of one stroke: onset and offset, movement time, peak speed, path ratio."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sessions.metrics.metric import Estimate
+from sessions.records.fields import Float64
+
+ONSET_SHARE = 0.05
+"""A stroke lasts from the first to the last sample above this share of its peak speed."""
+CLOSED_SHARE = 0.05
+"""A path whose ends lie nearer than this share of its length is closed: the ratio says nothing."""
+
+
+def active_rows(speed: Float64) -> slice:
+    """From onset to offset: first to last row above a twentieth of the peak, of a profile (N,)."""
+    if not speed.size or not float(speed.max()) > 0:
+        return slice(0, 0)
+    above = np.flatnonzero(speed > ONSET_SHARE * float(speed.max()))
+    return slice(int(above[0]), int(above[-1]) + 1)
+
+
+def movement_time(speed: Float64, rate_hz: float) -> Estimate:
+    """Seconds from onset to offset, of a speed profile (N,)."""
+    rows = active_rows(speed)
+    if rows.stop - rows.start < 2:
+        return Estimate.missing("nothing moved")
+    return Estimate((rows.stop - rows.start - 1) / rate_hz)
+
+
+def peak_speed(speed: Float64) -> Estimate:
+    """Highest value of a speed profile (N,), in its own unit."""
+    return Estimate(float(speed.max())) if speed.size else Estimate.missing("no gap-free stroke")
+
+
+def path_ratio(p_m: Float64) -> Estimate:
+    """Length of a path over the distance of its ends.
+
+    Args:
+        p_m: Positions, shape (N, D).
+    """
+    if len(p_m) < 2 or not bool(np.isfinite(p_m).all()):
+        return Estimate.missing("no gap-free path")
+    length = float(np.sum(np.linalg.norm(np.diff(p_m, axis=0), axis=1)))
+    chord = float(np.linalg.norm(p_m[-1] - p_m[0]))
+    if length <= 0.0:
+        return Estimate.missing("nothing moved")
+    if chord < CLOSED_SHARE * length:
+        return Estimate.missing("the path returns to where it began")
+    return Estimate(length / chord)

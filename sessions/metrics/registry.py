@@ -1,0 +1,89 @@
+"""The one table of metric names: method version, unit, and what the number means in plain words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """One metric.
+
+    Attributes:
+        name: Name in files.
+        version: Version of the method; it rises when the same file would give another number.
+        unit: SI unit, "1" for what has none.
+        title: Short heading for a person.
+        meaning: One plain sentence.
+    """
+
+    name: str
+    version: str
+    unit: str
+    title: str
+    meaning: str
+
+
+_ROWS = (
+    ("fingertip_rmse", "m", "Fingertip error", "How far the fingertip was from the therapist's, on average."),
+    ("joint_rmse", "rad", "Joint error", "How far the joint was from the therapist's angle, on average."),
+    ("range_of_motion", "rad", "Range of motion", "Largest less smallest angle that was held for 0.1 s."),
+    ("angle_min", "rad", "Smallest angle", "Smallest angle that was held for 0.1 s; flexion is positive."),
+    ("angle_max", "rad", "Largest angle", "Largest angle that was held for 0.1 s; flexion is positive."),
+    (
+        "total_active_motion",
+        "rad",
+        "Total active motion",
+        "Flexion of MCP, PIP and DIP together in the fullest fist, less what is missing to straight.",
+    ),
+    ("sparc", "1", "Smoothness (SPARC)", "How smooth the fingertip's speed is; nearer to 0 is smoother."),
+    ("sparc_floor", "1", "SPARC floor", "What a perfectly smooth movement would score in this measurement."),
+    ("ldlj", "1", "Smoothness (log jerk)", "How jerky the fingertip's speed is; nearer to 0 is smoother."),
+    (
+        "ldlj_floor",
+        "1",
+        "Log jerk floor",
+        "What a perfectly smooth movement would score in this measurement.",
+    ),
+    ("movement_time", "s", "Movement time", "Time of one opening or closing, from onset to offset."),
+    ("peak_speed", "m/s", "Peak speed", "Highest speed of the fingertip relative to the palm."),
+    (
+        "path_ratio",
+        "1",
+        "Path ratio",
+        "Length of the fingertip's path over the straight line; 1 is straight.",
+    ),
+    ("repetitions", "1", "Repetitions", "How many times the movement was made."),
+    ("repetitions_by_patient", "1", "Started by the patient", "How many repetitions the patient started."),
+    ("repetition_rate", "Hz", "Repetition rate", "Repetitions per second, from first to last."),
+    ("assistance", "1", "Assistance", "Stiffness of the robot as a multiple of the thesis gains."),
+    ("stiffness", "Nm/rad", "Stiffness", "How hard the robot pulled towards the therapist's angle."),
+    ("robot_share", "1", "Robot's share", "Part of the mechanical work that the robot did: 1 all, 0 none."),
+    ("robot_work", "J", "Robot's work", "Mechanical work that the robot did on the joint."),
+    ("returned_work", "J", "Returned work", "Work that the hand did on the robot: effort, recoil or spasm."),
+    ("interaction_torque", "Nm", "Interaction torque", "Largest torque between robot and hand."),
+    ("dose_time", "s", "Time in movement", "Time spent moving and holding."),
+    ("dose_completed", "1", "Dose", "Part of the prescribed repetitions that was completed."),
+    ("stops", "1", "Stops", "How often the session was stopped, by a person or by a safety rule."),
+    ("valid_share", "1", "Seen", "Part of the frames in which the marker was measured."),
+    ("longest_gap", "s", "Longest gap", "Longest time in which the marker was not measured."),
+    ("fit_residual", "m", "Fit residual", "How far the fitted hand is from the markers, rms."),
+)
+
+VERSIONS: Mapping[str, str] = {}
+"""Names whose method is no longer at version 1."""
+
+DEFINITIONS: Mapping[str, Definition] = {
+    name: Definition(name, VERSIONS.get(name, "1"), unit, title, meaning)
+    for name, unit, title, meaning in _ROWS
+}
+
+
+def definition(name: str) -> Definition:
+    """The definition of a metric.
+
+    Raises:
+        KeyError: No metric has that name.
+    """
+    return DEFINITIONS[name]

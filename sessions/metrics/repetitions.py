@@ -1,0 +1,100 @@
+"""Repetitions of a take: cycles of the hand's main movement, and the strokes between its turning points."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy import signal
+
+from sessions.metrics.filtering import low_pass
+from sessions.metrics.spans import Span, uniform_spans
+from sessions.records.fields import Float64, Int64
+
+SMALLEST_RAD = math.radians(10.0)
+"""A turn smaller than this is no repetition."""
+SMALLEST_SHARE = 0.3
+"""Nor is one smaller than this share of the whole excursion."""
+SEEN_SHARE = 0.5
+"""A joint takes part in the main movement where it was seen in at least this share of the rows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cycles:
+    """What the main movement did.
+
+    Attributes:
+        count: Complete repetitions (there and back).
+        strokes_s: Start and end of every single movement there or back, shape (S, 2).
+        rate_hz: Repetitions per second from the first turning point to the last, NaN below two.
+        amplitude_rad: Whole excursion of the main movement, rad (root sum square over joints).
+    """
+
+    count: int
+    strokes_s: Float64
+    rate_hz: float
+    amplitude_rad: float
+
+
+def main_movement(joints_rad: Float64, flexion: Float64) -> Float64:
+    """The direction in which the joints move most, as one angle, shape (N,).
+
+    The first principal component of all joints that were seen; its sign is such that flexion counts as
+    closing. A row in which one of those joints is missing is NaN.
+
+    Args:
+        joints_rad: Angles, shape (N, J), NaN where not measured.
+        flexion: 1 for joints whose positive angle closes the hand, 0 for the others, shape (J,).
+    """
+    seen = np.isfinite(joints_rad).mean(axis=0) >= SEEN_SHARE
+    result = np.full(len(joints_rad), np.nan)
+    if not bool(seen.any()):
+        return result
+    chosen = joints_rad[:, seen]
+    rows = np.isfinite(chosen).all(axis=1)
+    if np.count_nonzero(rows) < 2:
+        return result
+    centred = chosen[rows] - chosen[rows].mean(axis=0)
+    _, axes = np.linalg.eigh(centred.T @ centred)
+    axis = axes[:, -1]
+    closing = float(axis @ flexion[seen])
+    if closing < 0 or (closing == 0 and float(axis[np.argmax(np.abs(axis))]) < 0):
+        axis = -axis
+    result[rows] = centred @ axis
+    return result
+
+
+def cycles(t_s: Float64, movement_rad: Float64) -> Cycles:
+    """Count there-and-back cycles of a movement, within gap-free spans only.
+
+    Args:
+        t_s: Times, shape (N,).
+        movement_rad: The main movement, shape (N,), NaN in gaps.
+    """
+    spans = uniform_spans(t_s, movement_rad)
+    smooth = [low_pass(span.values, span.rate_hz) for span in spans]
+    if not smooth:
+        return Cycles(0, np.empty((0, 2)), math.nan, math.nan)
+    amplitude = max(float(part.max()) for part in smooth) - min(float(part.min()) for part in smooth)
+    prominence = max(SMALLEST_RAD, SMALLEST_SHARE * amplitude)
+    count, strokes, turns = 0, list[tuple[float, float]](), list[float]()
+    for span, part in zip(spans, smooth, strict=True):
+        highs, _ = signal.find_peaks(part, prominence=prominence)
+        lows, _ = signal.find_peaks(-part, prominence=prominence)
+        count += max(len(highs), len(lows))
+        turns += [float(t) for t in span.t_s[highs if len(highs) >= len(lows) else lows]]
+        strokes += _strokes(span, part, np.sort(np.concatenate((highs, lows))), prominence)
+    rate = (len(turns) - 1) / (turns[-1] - turns[0]) if len(turns) >= 2 else math.nan
+    return Cycles(count, np.array(strokes, dtype=np.float64).reshape(-1, 2), rate, amplitude)
+
+
+def _strokes(span: Span, part: Float64, turns: Int64, smallest: float) -> list[tuple[float, float]]:
+    """Stretches between neighbouring turning points (the ends of the span among them) that travel enough."""
+    edges = [0, *(int(turn) for turn in turns), part.size - 1]
+    return [
+        (float(span.t_s[a]), float(span.t_s[b]))
+        for a, b in pairwise(edges)
+        if abs(float(part[b] - part[a])) >= smallest
+    ]

@@ -1,0 +1,84 @@
+"""With how much help: stiffness by joint, assistance by digit, and both in words beside every error."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sessions.metrics.metric import Estimate, Metric, metric
+from sessions.metrics.recording import ACTIVE_PHASES, Origin, Phases
+from sessions.records import DIGITS
+from sessions.records.fields import Float64, Int64
+from sessions.records.topics import PHASE, ROBOT_COMMAND
+
+
+def assistance(phases: Phases, repetition: int | None = None) -> Float64:
+    """Mean stiffness multiple by digit while moving and holding, shape (5,), NaN for digits not driven."""
+    rows = np.isin(phases.phase, ACTIVE_PHASES)
+    rows &= phases.repetition >= 0 if repetition is None else phases.repetition == repetition
+    result = np.full(len(DIGITS), np.nan)
+    for digit in range(len(DIGITS)):
+        values = phases.assistance[rows, digit]
+        known = values[np.isfinite(values)]
+        if known.size:
+            result[digit] = known.mean()
+    return result
+
+
+def support_metrics(
+    phases: Phases, t_ns: Int64, stiffness: dict[str, Float64], origin: Origin
+) -> list[Metric]:
+    """Assistance by digit and stiffness by robot joint.
+
+    Args:
+        phases: Phases of the session.
+        t_ns: Times of the stiffness, shape (N,).
+        stiffness: Requested stiffness by robot joint, Nm/rad, each (N,).
+        origin: Which file.
+    """
+    of_phases = origin.lineage((PHASE,), phases.t_ns)
+    of_commands = origin.lineage((ROBOT_COMMAND, PHASE), t_ns)
+    found: list[Metric] = []
+    for digit, mean in zip(DIGITS, assistance(phases), strict=True):
+        value = (
+            Estimate(float(mean)) if np.isfinite(mean) else Estimate.missing("the robot does not drive it")
+        )
+        found.append(metric("assistance", digit, value, of_phases))
+    for joint, values in stiffness.items():
+        varies = float(np.ptp(values)) > 0.05 * max(1e-9, float(values.max()))
+        flag = f"mean; it varied from {values.min():.2f} to {values.max():.2f} Nm/rad" if varies else ""
+        found.append(metric("stiffness", joint, Estimate(float(values.mean())), of_commands, flag))
+    if not stiffness:
+        missing = Estimate.missing("the file holds no robot command")
+        found.append(metric("stiffness", "whole", missing, of_commands))
+    return found
+
+
+def conditions(phases: Phases, stiffness: dict[str, Float64]) -> str:
+    """The help in words, such as "stiffness 0.90 to 1.20 Nm/rad (3.0 times the thesis gains), passive mode".
+
+    Empty where neither command nor assistance is in the file: then no error may be shown.
+    """
+    helped = assistance(phases)
+    known = helped[np.isfinite(helped)]
+    words: list[str] = []
+    if stiffness:
+        means = [float(values.mean()) for values in stiffness.values()]
+        words.append(f"stiffness {_span(min(means), max(means), 2)} Nm/rad")
+    if known.size:
+        multiple = f"{_span(float(known.min()), float(known.max()), 1)} times the thesis gains"
+        words = [f"{words[0]} ({multiple})"] if words else [f"stiffness {multiple}"]
+    return ", ".join([*words, _modes(phases)]) if words else ""
+
+
+def modes(phases: Phases) -> tuple[str, ...]:
+    """Therapy modes in the order in which they occurred."""
+    return tuple(dict.fromkeys(str(mode) for mode in phases.mode if mode))
+
+
+def _modes(phases: Phases) -> str:
+    return f"{' and '.join(modes(phases)) or 'unknown'} mode"
+
+
+def _span(low: float, high: float, digits: int) -> str:
+    first, last = f"{low:.{digits}f}", f"{high:.{digits}f}"
+    return first if first == last else f"{first} to {last}"
