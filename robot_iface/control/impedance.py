@@ -1,0 +1,73 @@
+"""The joint impedance law with a spring that saturates at what the patient may be loaded with."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robot_iface.control.assist import free_ahead
+from robot_iface.control.gains import Gains
+from robot_iface.motion import Setpoint
+from robot_iface.types import CommandMode, DeviceCommand, DeviceState, Float64, Limits
+
+SPRING_SHARE = 0.9
+"""Share of the interaction limit at which the spring saturates: below the trip, so that a stiff hand opens as
+far as the limit lets it and the run goes on, instead of tripping in every repetition."""
+_SMALL_NM_RAD = 1e-9
+
+
+class ImpedanceLaw:
+    """tau = K (q_d - q) + D (dq_d - dq) + tau_ff, with |K (q_d - q)| <= 0.9 of the interaction limit.
+
+    The saturation moves the commanded position towards the measured one; the recorded command shows it.
+
+    Args:
+        gains: Gains at multiple 1, usually ``thesis_gains``.
+        limits: Limits of the driven joints.
+    """
+
+    def __init__(self, gains: Gains, limits: Limits) -> None:
+        self._stiffness = gains.stiffness_nm_rad
+        self._damping = gains.damping_nms_rad
+        self._spring_nm: Float64 = SPRING_SHARE * limits.tau_interaction_nm
+
+    def command(
+        self,
+        state: DeviceState,
+        setpoint: Setpoint,
+        multiple: Float64 | float,
+        tau_ff_nm: Float64,
+        ramp: float,
+        seq: int,
+        *,
+        only_behind: bool = False,
+    ) -> DeviceCommand:
+        """The request of one tick.
+
+        Args:
+            state: Newest reading.
+            setpoint: Where the joints should be.
+            multiple: n of the thesis gains, a number or (J,).
+            tau_ff_nm: Feed-forward torque, (J,).
+            ramp: 0 to 1, from ``Supervisor.ramp``: gains and feed-forward rise with it.
+            seq: Number of the command.
+            only_behind: Assistive: no help along the path while the patient is ahead (soft stop from 15 deg).
+
+        Returns:
+            An impedance command.
+        """
+        share = multiple * ramp
+        stiffness: Float64 = self._stiffness * share
+        error = setpoint.q_rad - state.q_rad
+        if only_behind:
+            error = free_ahead(error, setpoint.dq_rad_s)
+        reach = self._spring_nm / (stiffness + _SMALL_NM_RAD)
+        error = np.minimum(np.maximum(error, -reach), reach)
+        return DeviceCommand(
+            mode=CommandMode.IMPEDANCE,
+            q_rad=state.q_rad + error,
+            dq_rad_s=setpoint.dq_rad_s,
+            tau_ff_nm=tau_ff_nm * ramp,
+            stiffness_nm_rad=stiffness,
+            damping_nms_rad=self._damping * np.sqrt(share),
+            seq=seq,
+        )

@@ -1,0 +1,82 @@
+"""Power, brake and commands of the one device, whatever it answers."""
+
+from __future__ import annotations
+
+from robot_iface.ports import HandRobot
+from robot_iface.safety.settling import Settling
+from robot_iface.safety.yielding import BRAKE_NMS_RAD
+from robot_iface.types import DeviceCommand, DeviceState
+
+
+class Drive:
+    """Holds the robot for the supervisor. A device that fails to answer is noted in ``lost``, never raised.
+
+    Args:
+        robot: The device.
+        period_s: Control period.
+    """
+
+    def __init__(self, robot: HandRobot, period_s: float) -> None:
+        self.powered = False
+        """Whether the motors have power."""
+        self.lost = ""
+        """What the device failed to do, empty while it answers; cleared by a reset."""
+        self._robot = robot
+        self._settling = Settling(period_s)
+
+    def open(self) -> None:
+        """Connect."""
+        self._robot.open()
+
+    def close(self) -> None:
+        """Cut power and disconnect."""
+        self.cut_power()
+        self._robot.close()
+
+    def clear_faults(self) -> None:
+        """Clear device faults whose cause is gone."""
+        self.lost = ""
+        self._robot.clear_faults()
+
+    def read(self) -> DeviceState | None:
+        """The newest state, None if the device cannot be read."""
+        try:
+            return self._robot.read()
+        except OSError as error:
+            self.lost = error.strerror or "unreadable"
+            return None
+
+    def enable(self) -> None:
+        """Power the motors."""
+        self._robot.enable()
+        self.powered = True
+
+    def send(self, command: DeviceCommand) -> None:
+        """Write a command; a device that cannot be written is cut off in the next tick."""
+        try:
+            self._robot.write(command)
+        except OSError as error:
+            self.lost = error.strerror or "unwritable"
+
+    def brake(self) -> None:
+        """Damped brake if there is power; where braking fails, power is cut."""
+        self._settling.begin()
+        if not self.powered:
+            return
+        try:
+            self._robot.brake(BRAKE_NMS_RAD)
+        except OSError:
+            self.cut_power()
+
+    def settle(self, state: DeviceState) -> None:
+        """One braked tick: power is cut once everything has been still."""
+        if self._settling.still(state):
+            self.cut_power()
+
+    def cut_power(self) -> None:
+        """Motors without power."""
+        self.powered = False
+        try:
+            self._robot.power_off()
+        except OSError as error:
+            self.lost = error.strerror or "unreachable"

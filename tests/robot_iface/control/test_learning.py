@@ -1,0 +1,153 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robot_iface.control import AssistAsNeeded, FeedForward
+from robot_iface.control.assist import SLOW_RAD_S
+
+LIMIT = np.array([0.25, 0.15])
+DURATION_S = 4.0
+SPEED = 0.5
+PERIOD_S = 1e-3
+
+
+def plant_repetition(learner: FeedForward, gain: float, joint_stiffness: float, load: float = 0.3) -> float:
+    """One repetition of a hand that is a spring: K e + u = k q. Returns the RMS error."""
+    squares = []
+    for s in np.arange(0.0, DURATION_S, SPEED * 4 * PERIOD_S):
+        target = 0.15 * (1.0 - np.cos(2 * np.pi * s / DURATION_S)) * np.ones(2)
+        error = (joint_stiffness * target - learner.torque(s)) / (gain + joint_stiffness)
+        learner.observe(float(s), error, load)
+        squares.append(error**2)
+    learner.learn(np.full(2, gain), SPEED)
+    return float(np.sqrt(np.mean(squares)))
+
+
+def test_learning_halves_the_error_of_a_stiff_linear_hand_each_repetition() -> None:
+    """Contraction 1 - 0.8 K / (K + k): 0.491 for K = 0.9 and k = 0.515, as measured on the real model."""
+    learner = FeedForward(DURATION_S, np.full(2, 1.0), 1.0)
+    errors = [plant_repetition(learner, 0.9, 0.515) for _ in range(7)]
+    ratios = np.array(errors[1:]) / np.array(errors[:-1])
+    assert np.allclose(ratios[:4], 1 - 0.8 * 0.9 / (0.9 + 0.515), atol=0.03)
+    assert errors[6] < 0.05 * errors[0]
+
+
+def test_forgetting_keeps_an_error_and_so_work_for_the_patient() -> None:
+    full, forgetful = FeedForward(DURATION_S, LIMIT * 9, 1.0), FeedForward(DURATION_S, LIMIT * 9, 0.8)
+    kept = [plant_repetition(forgetful, 0.9, 0.3) for _ in range(12)][-1]
+    assert kept > 10 * [plant_repetition(full, 0.9, 0.3) for _ in range(12)][-1]
+
+
+def test_feed_forward_never_exceeds_half_the_interaction_limit() -> None:
+    learner = FeedForward(DURATION_S, LIMIT, 1.0)
+    for _ in range(10):
+        plant_repetition(learner, 4.0, 5.0)
+    peak = np.max([np.abs(learner.torque(s)) for s in np.linspace(0, DURATION_S, 999)], axis=0)
+    assert np.allclose(peak, 0.5 * LIMIT)
+
+
+@pytest.mark.parametrize(("load", "discard"), [(0.81, False), (0.3, True)])
+def test_all_is_thrown_away_after_a_high_load_or_a_reversal(load: float, discard: bool) -> None:
+    learner = FeedForward(DURATION_S, LIMIT, 1.0)
+    plant_repetition(learner, 0.9, 0.3)
+    assert np.abs(learner.torque(DURATION_S / 2)).max() > 0.01
+    learner.observe(1.0, np.full(2, 0.1), load)
+    assert learner.learn(np.full(2, 0.9), SPEED, discard=discard) is False
+    assert np.abs([learner.torque(s) for s in np.linspace(0, DURATION_S, 99)]).max() == 0.0
+
+
+def test_what_is_learnt_belongs_to_the_place_not_to_the_speed() -> None:
+    """An error that is met at one place only is answered there, whether it was played fast or slowly."""
+    peaks = []
+    for speed in (0.25, 1.0):
+        learner = FeedForward(DURATION_S, LIMIT, 1.0)
+        for s in np.arange(0.0, DURATION_S, speed * PERIOD_S):
+            learner.observe(float(s), 0.1 * np.exp(-((s - 2.5) ** 2) / 0.1) * np.ones(2), 0.2)
+        learner.learn(np.ones(2), speed)
+        peaks.append(max(np.linspace(0, DURATION_S, 801), key=lambda s: float(learner.torque(s)[0])))
+    assert peaks == pytest.approx([2.5, 2.5], abs=0.02)
+
+
+def test_an_unmoved_repetition_changes_nothing() -> None:
+    learner = FeedForward(DURATION_S, LIMIT, 1.0)
+    assert learner.learn(np.ones(2), SPEED) is True
+    assert np.abs(learner.torque(1.0)).max() == 0.0
+
+
+NAMES = ("index_mcp_flexion", "index_pip", "ring_pip")
+
+
+def move(
+    assist: AssistAsNeeded,
+    direction: float,
+    error: object,
+    dq: object,
+    seconds: float = 1.0,
+    rise: float = 0.0,
+) -> None:
+    desired = np.full(3, direction * 0.5)
+    for tick in range(round(seconds / PERIOD_S)):
+        assist.multiple(desired)
+        push = direction * (0.05 + rise * tick * PERIOD_S)
+        assist.observe(desired, np.zeros(3) + error, np.zeros(3) + dq, np.full(3, push))
+
+
+def test_rule_of_adaptation_by_digit_and_direction() -> None:
+    """K' = 0.8 K + 8 (e - 3 deg), only for the digit and direction that was behind."""
+    assist = AssistAsNeeded(NAMES, 1.0, PERIOD_S)
+    behind = np.deg2rad(9.0)
+    move(assist, -1.0, np.array([-behind, -behind / 9, 0.0]), -0.5)
+    move(assist, 1.0, 0.0, 0.5)
+    assist.finish_repetition()
+    extension, flexion = assist.by_direction()
+    raised = 0.8 + 8 * (behind - np.deg2rad(3.0))
+    assert np.allclose(extension, [raised, raised, 0.8], atol=2e-3)
+    assert np.allclose(flexion, 0.8)
+
+
+def test_assistance_is_bounded_and_falls_as_ability_grows() -> None:
+    assist = AssistAsNeeded(NAMES, 9.0, PERIOD_S)
+    assert assist.by_direction().max() == 4.0
+    history = []
+    for _ in range(25):
+        move(assist, 1.0, 0.0, 0.5, seconds=0.05)
+        assist.finish_repetition()
+        history.append(float(assist.by_direction()[1, 0]))
+    assert np.all(np.diff(history) <= 0)
+    assert history[-1] == pytest.approx(0.1)
+
+
+def test_running_ahead_is_not_an_error() -> None:
+    assist = AssistAsNeeded(NAMES, 1.0, PERIOD_S)
+    move(assist, 1.0, -0.5, 0.5)
+    assist.finish_repetition()
+    assert np.allclose(assist.by_direction(), 0.8)
+
+
+@pytest.mark.parametrize("cause", ["blocked", "reversed", "painful"])
+def test_blocked_reversed_or_painful_repetitions_never_raise(cause: str) -> None:
+    assist = AssistAsNeeded(NAMES, 1.0, PERIOD_S)
+    blocked = cause == "blocked"
+    move(assist, -1.0, -0.4, 0.0 if blocked else -0.5, rise=0.1 if blocked else 0.0)
+    assert assist.blocked() == (("index", "ring") if blocked else ())
+    assist.finish_repetition(reversed_on_load=cause == "reversed", painful=cause == "painful")
+    assert assist.by_direction().max() <= 1.0
+    assert np.all(assist.by_direction()[0] == 1.0)
+
+
+def test_standing_still_without_rising_torque_is_weakness_not_a_block() -> None:
+    assist = AssistAsNeeded(NAMES, 1.0, PERIOD_S)
+    move(assist, -1.0, -0.4, -0.5 * SLOW_RAD_S, rise=0.0)
+    assert assist.blocked() == ()
+    assist.finish_repetition()
+    assert assist.by_direction()[0].min() > 1.0
+
+
+def test_a_change_of_direction_never_jumps() -> None:
+    assist = AssistAsNeeded(NAMES, 1.0, PERIOD_S)
+    move(assist, -1.0, -0.4, -0.5)
+    assist.finish_repetition()
+    rows = [assist.multiple(np.full(3, sign * 0.5)) for sign in (1.0, -1.0, 1.0) for _ in range(2000)]
+    assert np.abs(np.diff(rows, axis=0)).max() <= 3.0 * PERIOD_S + 1e-12
+    assert np.ptp(rows) > 1.0
