@@ -1,0 +1,6 @@
+"""The 3-D pictures: live and review. They show and never move anything."""
+
+from rehab_app.web.viewport.live import LiveViewport
+from rehab_app.web.viewport.review import ReviewViewports
+
+__all__ = ["LiveViewport", "ReviewViewports"]

@@ -1,0 +1,117 @@
+"""Draws the live desk's snapshots for every browser that looks."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Any
+
+import cv2
+import numpy as np
+
+from rehab_app.services.clinic import Clinic
+from rehab_app.services.snapshot import BUSY, LiveSnapshot
+from rehab_app.web.viewport import verdict
+from rehab_app.web.viewport.panel import Panel
+from rehab_app.web.viewport.scene import furnish
+from rehab_app.web.viewport.words import facts_of, verdict_of
+
+_BUSY_HZ, _IDLE_HZ = 30.0, 5.0
+_SLOW_EVERY = 3
+STALE_S = 0.3
+
+
+class LiveViewport:
+    """The live picture: one viser server on loopback, one drawing thread.
+
+    Args:
+        clinic: Its live desk is drawn.
+    """
+
+    def __init__(self, clinic: Clinic) -> None:
+        self._desk = clinic.live
+        snapshot = self._desk.snapshot()
+        self._room = furnish("Live", snapshot.geometry)
+        self._panel = Panel(self._room, "time [s]")
+        self._camera: Any = self._room.server.gui.add_image(
+            np.full((240, 320, 3), 238, dtype=np.uint8), label="Camera", format="jpeg", visible=False
+        )
+        self._frame, self._fresh_s = -1, time.monotonic()
+        self._state: str = ""
+        self._turn = 0
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._work, name="live-viewport", daemon=True)
+        self._thread.start()
+
+    @property
+    def port(self) -> int:
+        """Loopback port of the viser server."""
+        return self._room.server.get_port()
+
+    def close(self) -> None:
+        """Stop drawing and close the server."""
+        self._ending.set()
+        self._thread.join()
+        self._room.server.stop()
+
+    def _work(self) -> None:
+        """Draw until closed; absolute deadlines, so that a slow frame is skipped and not caught up."""
+        due = time.monotonic()
+        while not self._ending.is_set():
+            snapshot = self._desk.snapshot()
+            self._draw(snapshot)
+            period = 1.0 / (_BUSY_HZ if snapshot.state in BUSY else _IDLE_HZ)
+            due = max(due + period, time.monotonic())
+            self._ending.wait(due - time.monotonic())
+
+    def _draw(self, snapshot: LiveSnapshot) -> None:
+        self._turn += 1
+        changed = snapshot.state != self._state
+        slow = changed or self._turn % _SLOW_EVERY == 0
+        with self._room.server.atomic():
+            if changed:
+                self._enter(snapshot)
+            if snapshot.frame != self._frame or changed:
+                self._frame, self._fresh_s = snapshot.frame, time.monotonic()
+                self._hands(snapshot, slow=slow)
+            if slow:
+                self._beside(snapshot)
+        if changed:
+            self._room.server.flush()
+
+    def _enter(self, snapshot: LiveSnapshot) -> None:
+        """A new state begins."""
+        if snapshot.state in ("countdown", "rehearsing"):
+            self._room.patient_trail.clear()
+            self._room.therapist_trail.clear()
+        self._camera.visible = snapshot.state in ("countdown", "recording", "processing")
+        self._state = snapshot.state
+
+    def _hands(self, snapshot: LiveSnapshot, *, slow: bool) -> None:
+        patient, therapist = snapshot.patient_joints_rad, snapshot.therapist_joints_rad
+        if patient is None and therapist is None:
+            patient = np.zeros(21)
+        elif patient is None:
+            patient, therapist = therapist, None  # while recording, the one hand that is seen is solid
+        self._room.draw(snapshot.geometry, patient, therapist)
+        if slow and snapshot.state in BUSY:
+            for joints, trail in (
+                (patient, self._room.patient_trail),
+                (therapist, self._room.therapist_trail),
+            ):
+                if joints is not None and bool(np.isfinite(joints).all()):
+                    trail.add(snapshot.geometry, joints)
+
+    def _beside(self, snapshot: LiveSnapshot) -> None:
+        """Panel, chart and camera image."""
+        stale = snapshot.state in ("recording", "playing") and time.monotonic() - self._fresh_s > STALE_S
+        shown = verdict.Verdict("alarm", "STALE: this picture is old") if stale else verdict_of(snapshot)
+        self._panel.say(shown, facts_of(snapshot))
+        if snapshot.state in BUSY:
+            t_s, error_mm = self._desk.error_history()
+            self._panel.chart.draw(t_s, error_mm)
+        jpeg = self._desk.camera_jpeg() if self._camera.visible else None
+        if jpeg is not None:
+            image = cv2.imdecode(np.frombuffer(jpeg, dtype=np.uint8), cv2.IMREAD_COLOR)
+            if image is not None:
+                self._camera.image = np.ascontiguousarray(cv2.resize(image, (320, 240))[:, :, ::-1])

@@ -1,0 +1,65 @@
+"""What the live panel says in words for each state of the desk."""
+
+from __future__ import annotations
+
+from rehab_app.services.snapshot import LiveSnapshot
+from rehab_app.web.viewport.verdict import Verdict, of_error
+
+FULL_SUPPORT_MULTIPLE = 4.0
+"""Stiffness multiple that counts as 100 % support: the most that assist-as-needed may give."""
+_PHASES = {
+    "approach": "Moving to the start",
+    "ramp": "Taking hold gently",
+    "cue": "Your turn: start the movement",
+    "move": "Moving",
+    "hold": "Holding",
+    "return": "Moving back",
+    "rest": "Rest",
+    "stopped": "Stopped",
+    "done": "Finished",
+}
+_STARTERS = {"patient": "patient", "robot": "robot helped"}
+
+
+def verdict_of(snapshot: LiveSnapshot) -> Verdict:
+    """The card for a snapshot."""
+    if snapshot.state == "playing" and snapshot.fingertip_error_m is not None:
+        return of_error(snapshot.fingertip_error_m)
+    if snapshot.state == "recording":
+        quality = snapshot.tracking_quality
+        if quality is None:
+            return Verdict(
+                "calm", "Recording", detail="Looking for the markers: keep the hand open and still."
+            )
+        style = "good" if quality >= 0.8 else "caution"
+        word = "Recording, hand well seen" if quality >= 0.8 else "Recording, some markers hidden"
+        return Verdict(style, word, f"{100 * quality:.0f}", "% of markers seen", snapshot.message)
+    if snapshot.state == "countdown":
+        return Verdict("calm", "Get ready", f"{max(snapshot.countdown_s, 0.0):.0f}", "s", snapshot.message)
+    style, word = {
+        "idle": ("calm", "Ready"),
+        "processing": ("calm", "Saving the take"),
+        "rehearsing": ("calm", "Rehearsing: nothing moves yet"),
+        "playing": ("calm", "Starting"),
+        "stopped": ("alarm", "STOPPED"),
+        "done": ("good", "Done"),
+        "failed": ("caution", "Not done"),
+    }[snapshot.state]
+    return Verdict(style, word, detail=snapshot.message)
+
+
+def facts_of(snapshot: LiveSnapshot) -> tuple[tuple[str, str], ...]:
+    """The lines beneath the card."""
+    if snapshot.state not in ("playing", "stopped", "done") or not snapshot.repetitions:
+        return ()
+    rows = [("Phase", "Paused" if snapshot.paused else _PHASES.get(snapshot.phase, snapshot.phase or "-"))]
+    done = max(snapshot.repetition + 1, 0)
+    rows.append(("Repetition", f"{min(done, snapshot.repetitions)} of {snapshot.repetitions}"))
+    if snapshot.started_by:
+        rows.append(("Started by", _STARTERS.get(snapshot.started_by, snapshot.started_by)))
+    if snapshot.support is not None:
+        share = min(snapshot.support / FULL_SUPPORT_MULTIPLE, 1.0)
+        rows.append(("Support", f"{100 * share:.0f} % (×{snapshot.support:.1f})"))
+    if snapshot.interaction_nm is not None:
+        rows.append(("Torque on the hand", f"{snapshot.interaction_nm:.2f} Nm"))
+    return tuple(rows)

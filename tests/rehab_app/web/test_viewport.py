@@ -1,0 +1,153 @@
+"""The picture: hands on their bones, words that are escaped, servers on loopback only."""
+
+from __future__ import annotations
+
+import socket
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rehab_app.errors import Refused
+from rehab_app.services.rows import Replay
+from rehab_app.services.snapshot import LiveSnapshot
+from rehab_app.web.viewport import LiveViewport, ReviewViewports
+from rehab_app.web.viewport.hand_shape import HandShape
+from rehab_app.web.viewport.solids import ball, loft, tapered_bone
+from rehab_app.web.viewport.verdict import Verdict, lines, of_error
+from rehab_app.web.viewport.words import facts_of, verdict_of
+from robot_iface.kinematics import JOINT_MAX_RAD, JOINT_MIN_RAD, average_hand, forward
+from robot_iface.types import Side
+
+GEOMETRY = average_hand()
+
+
+def replay() -> Replay:
+    t_s = np.arange(0.0, 2.0, 0.02)
+    joints = np.zeros((t_s.size, 21))
+    joints[:, 7] = 0.5 * t_s
+    return Replay(
+        t_s=t_s,
+        reference_joints_rad=joints,
+        patient_joints_rad=0.9 * joints,
+        fingertip_error_m=0.004 * t_s,
+        phases=("move",) * t_s.size,
+        events=(),
+        geometry=GEOMETRY,
+        side="right",
+        reference_geometry=GEOMETRY,
+    )
+
+
+@dataclass
+class Desk:
+    shown: LiveSnapshot
+
+    def snapshot(self) -> LiveSnapshot:
+        return self.shown
+
+    def camera_jpeg(self) -> bytes | None:
+        return None
+
+    def error_history(self) -> tuple[Any, Any]:
+        return np.arange(3.0), np.array([1.0, np.nan, 2.0])
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_drawn_hand_lies_on_its_bones(side: Side) -> None:
+    hand = average_hand(side=side)
+    joints = np.random.default_rng(3).uniform(JOINT_MIN_RAD, JOINT_MAX_RAD)
+    segments, balls = HandShape(hand).pose(joints)
+    points = forward(hand, joints).landmarks_m[:20].reshape(5, 4, 3)
+    np.testing.assert_allclose(segments.p_palm_m.reshape(5, 3, 3), points[:, :3])
+    np.testing.assert_allclose(balls.p_palm_m[:20].reshape(5, 4, 3)[:, :3], points[:, :3])
+    np.testing.assert_allclose(np.linalg.norm(segments.q_palm_wxyz, axis=1), 1.0)
+    inside = np.linalg.norm(balls.p_palm_m[:20].reshape(5, 4, 3)[:, 3] - points[:, 3], axis=1)
+    assert (inside < 0.01).all()
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [tapered_bone(), ball(), HandShape(GEOMETRY).palm(), HandShape(average_hand(side="left")).palm()],
+    ids=["bone", "ball", "right palm", "left palm"],
+)
+def test_solids_are_closed_and_face_outwards(solid: Any) -> None:
+    edges = np.concatenate([solid.faces[:, [0, 1]], solid.faces[:, [1, 2]], solid.faces[:, [2, 0]]])
+    assert {tuple(edge) for edge in edges} == {tuple(edge[::-1]) for edge in edges}
+    corners = solid.vertices_m[solid.faces]
+    volume = np.einsum("fi,fi->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
+    assert volume > 0
+
+
+def test_a_loft_passes_through_its_stations() -> None:
+    stations = np.array([[0.0, 0.0, 0.0, 1.0, 2.0], [1.0, 0.5, 0.0, 2.0, 3.0], [2.0, 0.0, 0.0, 1.0, 1.0]])
+    heights = loft(stations).vertices_m[:, 2]
+    assert (heights.min(), heights.max()) == (0.0, 2.0)
+
+
+def test_the_verdict_names_the_worst_finger_and_never_relies_on_colour() -> None:
+    good = of_error(np.full(5, 0.002))
+    bad = of_error(np.array([0.002, 0.002, 0.03, 0.002, 0.002]))
+    assert (good.word, good.number, good.unit) == ("Within target", "2.0", "mm RMS")
+    assert bad.word == "Off target"
+    assert "middle, 30.0 mm" in bad.detail
+    assert good.html() != replace(good, style="caution").html()
+
+
+def test_text_is_escaped() -> None:
+    attack = '<img src=x onerror="alert(1)">'
+    for html in (Verdict("calm", attack, attack, attack, attack).html(), lines(((attack, attack),))):
+        assert "<img" not in html
+
+
+@pytest.mark.parametrize(
+    "state",
+    ["idle", "countdown", "recording", "processing", "rehearsing", "playing", "stopped", "done", "failed"],
+)
+def test_every_state_has_its_words(state: Any) -> None:
+    shown = verdict_of(LiveSnapshot(state=state, message="m"))
+    assert shown.word
+    facts = dict(
+        facts_of(LiveSnapshot(state="playing", repetitions=5, repetition=1, support=2.0, phase="cue"))
+    )
+    assert facts["Repetition"] == "2 of 5"
+    assert facts["Support"].startswith("50 %")
+
+
+def test_the_live_server_listens_on_loopback_only() -> None:
+    clinic: Any = SimpleNamespace(live=Desk(LiveSnapshot(state="playing", patient_joints_rad=np.zeros(21))))
+    viewport = LiveViewport(clinic)
+    try:
+        with socket.socket() as probe:  # the port is taken on loopback and free on every other address
+            with pytest.raises(OSError, match="in use"):
+                probe.bind(("127.0.0.1", viewport.port))
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.2", viewport.port))
+    finally:
+        viewport.close()
+
+
+def test_reviews_are_reused_and_the_oldest_is_closed() -> None:
+    asked: list[str] = []
+
+    def replay_of(named: str) -> Replay:
+        if named == "unknown":
+            raise Refused("session", "unknown", "recorded", "choose another")
+        asked.append(named)
+        return replay()
+
+    clinic: Any = SimpleNamespace(sessions=SimpleNamespace(replay=replay_of))
+    reviews = ReviewViewports(clinic, most=2)
+    try:
+        first = reviews.port_for("a")
+        assert reviews.port_for("a") == first
+        assert reviews.port_for("b") != first
+        reviews.port_for("c")
+        reviews.port_for("a")
+        assert asked == ["a", "b", "c", "a"]
+        with pytest.raises(Refused, match="unknown"):
+            reviews.port_for("unknown")
+    finally:
+        reviews.close()
