@@ -7,6 +7,10 @@ from pathlib import Path
 
 import pytest
 
+# As in the product's own entry points: threads of the linear algebra only get in each other's way on matrices
+# this small. Test modules, which import numpy, are loaded after this file.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 REPOSITORY = Path(__file__).resolve().parents[1]
 
 

@@ -1,6 +1,6 @@
 """Pictures as inline SVG. matplotlib is imported when the first one is drawn, without pyplot's global state.
 
-Therapist: blue and solid. Patient: orange and dashed. Never colour alone.
+Patient: blue and solid. Therapist: orange and dashed, as on the clinic's screen. Never colour alone.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-THERAPIST = {"color": "#0072B2", "linestyle": "-", "linewidth": 4.0, "alpha": 0.5}
-PATIENT = {"color": "#C94F00", "linestyle": (0, (4, 2)), "linewidth": 1.6}
+PATIENT = {"color": "#0072B2", "linestyle": "-", "linewidth": 4.0, "alpha": 0.5}
+THERAPIST = {"color": "#C94F00", "linestyle": (0, (4, 2)), "linewidth": 1.6}
 ALONE = {"color": "#0072B2", "linestyle": "-", "linewidth": 1.6}
 MOVED_M = 0.005
 MOVED_SHARE = 0.15
@@ -75,6 +75,7 @@ def paths_picture(overlay: Overlay, key: str) -> str:
         if beside:
             _height(panels[2 * place + 1], overlay, column)
     panels[0].set_ylabel("out of the palm (mm)")
+    figure.supxlabel("paths: towards the fingers (mm)" if beside else "towards the fingers (mm)", fontsize=9)
     _legend(figure, panels[0])
     return _svg(figure, key, f"Fingertip paths seen from the thumb's side, {overlay.shown}")
 
@@ -142,13 +143,12 @@ def repetitions_picture(summary: Summary, key: str) -> str:
 
 
 def _path(axes: Axes, overlay: Overlay, column: int, extent_mm: float) -> None:
-    """One fingertip's path from the side, therapist below, patient on top."""
+    """One fingertip's path from the side, the therapist's dashes over the patient's line."""
     for curves, style, label in _lines(overlay):
         tip_mm = curves.fingertips_palm_m[:, column] * 1000.0
         axes.plot(tip_mm[:, 2], tip_mm[:, 0], label=label, **style)
     _same_scale(axes, overlay, column, extent_mm)
     axes.set_title(f"{DIGITS[column].capitalize()}: path", fontsize=9)
-    axes.set_xlabel("towards the fingers (mm)")
 
 
 def _height(axes: Axes, overlay: Overlay, column: int) -> None:
@@ -162,7 +162,7 @@ def _height(axes: Axes, overlay: Overlay, column: int) -> None:
 def _lines(overlay: Overlay) -> list[tuple[Curves, dict[str, Any], str]]:
     if overlay.reference is None:
         return [(overlay.hand, dict(ALONE), "recorded hand")]
-    return [(overlay.reference, dict(THERAPIST), "therapist"), (overlay.hand, dict(PATIENT), "patient")]
+    return [(overlay.hand, dict(PATIENT), "patient"), (overlay.reference, dict(THERAPIST), "therapist")]
 
 
 def _spans(values: Float64) -> Float64:

@@ -1,0 +1,168 @@
+"""A camera without hardware: it renders a moving hand with paper markers, and knows the truth.
+
+Simulated time: frame k is captured k periods after the start, however long the drawing takes. With
+``realtime`` the camera waits for that instant before it hands the frame over, and skips captures (counting
+them as dropped) when it has fallen behind by more than a few periods.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from types import TracebackType
+
+import numpy as np
+
+from rehab_app.cameras.frame import Frame
+from rehab_app.cameras.paper_markers import PlacedMarkers
+from rehab_app.cameras.renderer import Renderer
+from rehab_app.cameras.scene import HandScene
+from rehab_app.cameras.sensor import NoiseLevel
+from rehab_app.geometry.pinhole import KINECT, Intrinsics
+from sessions.errors import Refused
+from sessions.records.fields import Float64
+
+_LATE_PERIODS = 60  # two seconds at 30 Hz: what a camera's driver would buffer at best
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """What really was before the virtual camera at one instant.
+
+    Attributes:
+        t_s: Time since the start, s.
+        joints_rad: Joint angles, shape (21,).
+        p_camera_palm_m: Origin of the palm, shape (3,).
+        rotation_camera_palm: Rotation from palm to camera, shape (3, 3).
+        landmarks_camera_m: The 25 landmarks, shape (25, 3).
+        markers: Centres and normals of the markers.
+        pixel_px: Images of the centres, shape (M, 2).
+        seen: Share of each disc that is in view, shape (M,); 0 is hidden.
+    """
+
+    t_s: float
+    joints_rad: Float64
+    p_camera_palm_m: Float64
+    rotation_camera_palm: Float64
+    landmarks_camera_m: Float64
+    markers: PlacedMarkers
+    pixel_px: Float64
+    seen: Float64
+
+
+class VirtualCamera:
+    """Renders a ``HandScene``; same scene, noise and seed give the same frames, bit for bit."""
+
+    name = "virtual-camera"
+
+    def __init__(
+        self,
+        scene: HandScene,
+        *,
+        seed: int = 0,
+        rate_hz: float = 30.0,
+        realtime: bool = False,
+        noise: NoiseLevel | None = None,
+        intrinsics: Intrinsics = KINECT,
+        start_ns: int = 0,
+    ) -> None:
+        """Set up the scene; nothing is drawn yet.
+
+        Args:
+            scene: Hand, markers and movement.
+            seed: Of noise and background.
+            rate_hz: Frames per second.
+            realtime: Hand frames over at their time of capture on the monotonic clock.
+            noise: What the sensor adds; by default that of a good RGB-D camera.
+            intrinsics: The pinhole camera.
+            start_ns: Time of the first capture in simulated time (in real time it is the clock's).
+
+        Raises:
+            Refused: The rate is not 1 to 240 Hz.
+        """
+        if not 1.0 <= rate_hz <= 240.0:
+            raise Refused("frame rate", f"{rate_hz:g} Hz", "1 to 240 Hz", "choose a rate in that range")
+        self.scene = scene
+        self._rate_hz = rate_hz
+        self._realtime = realtime
+        self._intrinsics = intrinsics
+        self._start_ns = start_ns
+        self._renderer = Renderer(scene, noise or NoiseLevel(), intrinsics, seed)
+        self._open = False
+
+    @property
+    def intrinsics(self) -> Intrinsics:
+        """Camera of colour and depth."""
+        return self._intrinsics
+
+    @property
+    def rate_hz(self) -> float:
+        """Frames per second."""
+        return self._rate_hz
+
+    def __enter__(self) -> VirtualCamera:
+        """Start the camera's clock."""
+        if self._realtime:
+            self._start_ns = time.monotonic_ns()
+        self._open = True
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop."""
+        self._open = False
+
+    def frames(self) -> Iterator[Frame]:
+        """Frames from the start on; after its last posture the hand holds still.
+
+        Raises:
+            Refused: The camera is not open.
+        """
+        if not self._open:
+            raise Refused("camera", "closed", "open", "open it before asking for frames")
+        index = 0
+        while self._open:
+            dropped = self._wait(index)
+            index += dropped
+            yield self.frame(index, dropped)
+            index += 1
+
+    def frame(self, index: int, dropped: int = 0) -> Frame:
+        """The frame of one index."""
+        colour, depth = self._renderer.render(index, index / self._rate_hz)
+        return Frame(self.time_ns(index), colour, depth, self._intrinsics, dropped)
+
+    def time_ns(self, index: int) -> int:
+        """Capture time of a frame, monotonic, ns."""
+        return self._start_ns + round(index * 1e9 / self._rate_hz)
+
+    def truth(self, t_s: float) -> Truth:
+        """What is before the camera ``t_s`` seconds after the start."""
+        posed = self.scene.at(t_s)
+        return Truth(
+            t_s,
+            posed.joints_rad,
+            posed.p_camera_palm_m,
+            posed.rotation_camera_palm,
+            posed.landmarks_camera_m,
+            posed.markers,
+            self._intrinsics.project(posed.markers.p_camera_m),
+            self._renderer.seen(posed),
+        )
+
+    def truth_joints_rad(self, t_s: Float64) -> Float64:
+        """True joint angles at times (N,), shape (N, 21)."""
+        return self.scene.motion.joints_at(np.asarray(t_s, np.float64))
+
+    def _wait(self, index: int) -> int:
+        """Wait for a frame's time; the number of captures to skip when far behind."""
+        if not self._realtime:
+            return 0
+        ahead_s = (self.time_ns(index) - time.monotonic_ns()) * 1e-9
+        if ahead_s > 0.0:
+            time.sleep(ahead_s)
+            return 0
+        late = int(-ahead_s * self._rate_hz)
+        return late if late >= _LATE_PERIODS else 0

@@ -1,0 +1,1 @@
+"""Space: rotations, the pinhole camera, and what was seen in one image."""

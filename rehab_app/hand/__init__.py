@@ -1,0 +1,1 @@
+"""The hand behind the markers: protocols, the person's geometry, the pose fit, another person's hand."""

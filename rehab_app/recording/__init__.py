@@ -1,0 +1,1 @@
+"""How takes come about: from a camera, or from recordings of other programs."""

@@ -1,0 +1,69 @@
+"""What every importer gives, and what every imported file must be before it is opened."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from rehab_app.hand.series import LandmarkSeries
+from sessions.errors import Refused
+
+MOST_BYTES = 256 << 20
+MOST_FRAMES = 60_000
+LARGEST_M = 100.0
+"""Coordinates beyond this are not those of a hand before a camera."""
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedFile:
+    """A recording as it was read.
+
+    Attributes:
+        source: Kind of file, as session files carry it, such as "qualisys-tsv".
+        series: All named points of it, in m, gaps as NaN.
+        utc_start_ns: When it was recorded, None where the file does not say.
+    """
+
+    source: str
+    series: LandmarkSeries
+    utc_start_ns: int | None
+
+
+def check_readable(path: Path) -> None:
+    """Refuse what is no file of a sane size.
+
+    Raises:
+        Refused: There is no such file, it cannot be read, is empty or too large.
+    """
+    try:
+        if not path.is_file():
+            raise Refused("recording", repr(str(path)), "a file that exists", "check the path")
+        size = path.stat().st_size
+        with path.open("rb"):
+            pass
+    except OSError as error:
+        raise Refused(
+            f"recording {path.name}", f"unreadable ({error.strerror})", "readable", "check its permissions"
+        ) from error
+    if not 0 < size <= MOST_BYTES:
+        raise Refused(
+            f"recording {path.name}",
+            f"{size} bytes long",
+            f"1 to {MOST_BYTES} bytes",
+            "export it again, in shorter parts if it is long",
+        )
+
+
+def check_frames(path: Path, frames: int) -> None:
+    """Refuse more frames than fit a take.
+
+    Raises:
+        Refused: There are none or too many.
+    """
+    if not 0 < frames <= MOST_FRAMES:
+        raise Refused(
+            f"recording {path.name}",
+            f"{frames} frames long",
+            f"1 to {MOST_FRAMES} frames",
+            "export a part of it",
+        )

@@ -1,0 +1,63 @@
+"""What every tracker takes and gives; the port that the pipeline knows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from rehab_app.geometry.detections import Detections
+from rehab_app.hand.subject import Subject
+from sessions.records import HandPose, MarkerFrame
+from sessions.records.fields import Float64, Int64
+
+TrackingState = Literal["searching", "calibrating", "tracking", "lost"]
+
+
+@dataclass(frozen=True, slots=True)
+class TrackedHand:
+    """One capture with names on its markers and the hand fitted to them.
+
+    Attributes:
+        markers: The markers in the order of the protocol.
+        pose: The hand.
+        detection: Row of the detection that each marker was given, -1 where none, shape (M,).
+        state: What the tracker was doing.
+    """
+
+    markers: MarkerFrame
+    pose: HandPose
+    detection: Int64
+    state: TrackingState
+
+
+class Tracker(Protocol):
+    """Gives detections names, capture after capture."""
+
+    @property
+    def state(self) -> TrackingState:
+        """What it is doing."""
+        ...
+
+    @property
+    def marker_names(self) -> tuple[str, ...]:
+        """Names of the M markers, in the order of every array."""
+        ...
+
+    @property
+    def subject(self) -> Subject | None:
+        """The person, once calibrated."""
+        ...
+
+    @property
+    def expected_m(self) -> Float64 | None:
+        """Where the markers are expected in the next capture, camera frame, (M, 3); None when unknown."""
+        ...
+
+    def observe(self, detections: Detections) -> tuple[TrackedHand, ...]:
+        """Take one capture, in the order of time.
+
+        Returns:
+            The captures that are now understood, oldest first: none while the tracker still learns the hand,
+            then all that it held back (of a long wait the last seconds), then one each time.
+        """
+        ...
