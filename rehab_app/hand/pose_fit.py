@@ -12,17 +12,14 @@ from rehab_app.hand.pose_prior import JointPrior, rest_prior
 from rehab_app.hand.pose_problem import PoseProblem, PoseState
 from rehab_app.hand.pose_solver import solve, solve_from_nothing
 from rehab_app.hand.pose_uncertainty import JOINT_DIGIT, estimated_noise, joint_uncertainty
-from rehab_app.hand.protocol import MarkerProtocol
+from rehab_app.hand.protocol import MarkerProtocol, load_protocol
 from rehab_app.hand.subject import Subject
-from robot_iface.kinematics import forward, jacobian
 from sessions.errors import Refused
 from sessions.records import Status
 from sessions.records.fields import Float64, Int64, UInt8
 
 FEWEST_MARKERS = 3
 """Markers without which a frame says nothing of where the hand is."""
-
-_TIPS = [3, 7, 11, 15, 19]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +62,7 @@ class PoseFitter:
 
     def __init__(self, subject: Subject, protocol: MarkerProtocol) -> None:
         self.model = MarkerModel(subject, protocol)
+        self._tips = fingertips_of(subject)
 
     def fit(
         self,
@@ -103,7 +101,7 @@ class PoseFitter:
             state, _ = solve(part, state, 8)
         elif sigma_m is not None and np.ndim(sigma_m) < 2:
             noise_m[:] = sigma_m
-        return _described(part, state, usable, len(p_m), noise_m, given=prior is not None)
+        return self._described(part, state, usable, len(p_m), noise_m, given=prior is not None)
 
     def _problem(
         self, p_m: Float64, sigma_m: Float64 | float | None, prior: JointPrior | None
@@ -131,38 +129,50 @@ class PoseFitter:
         )
         return solve(problem, start, 12)[0]
 
+    def _described(
+        self,
+        problem: PoseProblem,
+        state: PoseState,
+        usable: Int64,
+        frames: int,
+        noise_m: Float64,
+        *,
+        given: bool,
+    ) -> HandFit:
+        """Covariance, status and fingertips of solved frames, laid among those in which nothing was seen."""
+        covariance, status = joint_uncertainty(problem, state, given=given)
+        placed = self._tips.place(state.joints_rad)
+        tips = placed.p_m * self._tips.mirror
+        slopes = self._tips.right_jacobian(placed) * self._tips.mirror[:, None]
+        tip_covariance = slopes @ covariance[:, None] @ np.swapaxes(slopes, -1, -2)
+        lost = status == Status.LOST
+        covariance[lost[:, :, None] | lost[:, None, :]] = np.nan
+        lost_tip = np.stack([lost[:, JOINT_DIGIT == digit].any(axis=1) for digit in range(5)], axis=1)
+        tips[lost_tip], tip_covariance[lost_tip] = np.nan, np.nan
+        residual = problem.residuals(state)
+        seen = (problem.precision > 0).all(axis=2).sum(axis=1)
+        return HandFit(
+            _laid(usable, frames, state.p_m),
+            _laid(usable, frames, wxyz_from_matrix(state.rotation)),
+            _laid(usable, frames, np.where(lost, np.nan, state.joints_rad)),
+            _laid(usable, frames, covariance),
+            _laid(usable, frames, status.astype(np.float64), 0.0).astype(np.uint8),
+            _laid(usable, frames, tips),
+            _laid(usable, frames, tip_covariance),
+            _laid(usable, frames, np.sqrt((residual**2).sum(axis=(1, 2)) / np.maximum(seen, 1))),
+            _laid(usable, frames, np.exp(state.log_size)),
+            noise_m,
+        )
+
+
+def fingertips_of(subject: Subject) -> MarkerModel:
+    """The five fingertips as markers that sit exactly on them."""
+    protocol = load_protocol("fingertips5")
+    return MarkerModel(Subject(subject.geometry, protocol.names, np.zeros((5, 3))), protocol)
+
 
 def _no_state() -> PoseState:
     return PoseState(np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros((0, 21)), np.zeros(0))
-
-
-def _described(
-    problem: PoseProblem, state: PoseState, usable: Int64, frames: int, noise_m: Float64, *, given: bool
-) -> HandFit:
-    """Covariance, status and fingertips of solved frames, laid among those in which nothing was seen."""
-    geometry = problem.model.geometry
-    covariance, status = joint_uncertainty(problem, state, given=given)
-    tips = forward(geometry, state.joints_rad).landmarks_m[:, _TIPS]
-    slopes = jacobian(geometry, state.joints_rad)[:, _TIPS]
-    tip_covariance = slopes @ covariance[:, None] @ np.swapaxes(slopes, -1, -2)
-    lost = status == Status.LOST
-    covariance[lost[:, :, None] | lost[:, None, :]] = np.nan
-    lost_tip = np.stack([lost[:, JOINT_DIGIT == digit].any(axis=1) for digit in range(5)], axis=1)
-    tips[lost_tip], tip_covariance[lost_tip] = np.nan, np.nan
-    residual = problem.residuals(state)
-    seen = (problem.precision > 0).all(axis=2).sum(axis=1)
-    return HandFit(
-        _laid(usable, frames, state.p_m),
-        _laid(usable, frames, wxyz_from_matrix(state.rotation)),
-        _laid(usable, frames, np.where(lost, np.nan, state.joints_rad)),
-        _laid(usable, frames, covariance),
-        _laid(usable, frames, status.astype(np.float64), 0.0).astype(np.uint8),
-        _laid(usable, frames, tips),
-        _laid(usable, frames, tip_covariance),
-        _laid(usable, frames, np.sqrt((residual**2).sum(axis=(1, 2)) / np.maximum(seen, 1))),
-        _laid(usable, frames, np.exp(state.log_size)),
-        noise_m,
-    )
 
 
 def _laid(rows: Int64, frames: int, values: Float64, empty: float = np.nan) -> Float64:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rehab_app.hand.pose_prior import rest_prior
 from rehab_app.hand.pose_problem import JOINT_PART, PoseProblem, PoseState
 from sessions.records import DIGITS, JOINTS, Status, digit_of
 from sessions.records.fields import Float64, UInt8
@@ -60,9 +61,12 @@ def joint_uncertainty(problem: PoseProblem, state: PoseState, *, given: bool) ->
 def _batch(problem: PoseProblem, state: PoseState, *, given: bool) -> tuple[Float64, UInt8]:
     information, _, _ = problem.linearised(state)
     posterior = np.linalg.inv(information + problem.prior_information(state, limited=False))
-    free = np.linalg.inv(information + problem.prior_information(state, coupled=False, limited=False))
+    # what the markers alone tell: beside them only the hand at rest, whatever the caller expected
+    rest = rest_prior(len(state.p_m))
+    alone = PoseProblem(problem.model, problem.p_m, problem.precision, rest)
+    free = np.linalg.inv(information + alone.prior_information(state, coupled=False, limited=False))
     std = np.sqrt(np.diagonal(free, axis1=1, axis2=2)[:, JOINT_PART])
-    fixed = std < np.minimum(MEASURED_STD_RAD, MEASURED_SHARE * problem.prior.std_rad)
+    fixed = std < np.minimum(MEASURED_STD_RAD, MEASURED_SHARE * rest.std_rad)
     seen = (problem.precision > 0).all(axis=2)
     digit_seen = np.stack([(seen & (problem.model.digit == digit)).any(axis=1) for digit in range(5)], axis=1)
     status = np.where(fixed, int(Status.MEASURED), int(Status.ESTIMATED))

@@ -112,6 +112,21 @@ def test_a_prediction_carries_a_hidden_finger_as_an_estimate(
     assert (fit.joint_status[:, joints] == Status.ESTIMATED).all()
 
 
+def test_what_is_measured_does_not_depend_on_what_was_expected(
+    scene: Callable, random_joints: Callable
+) -> None:
+    rng = np.random.default_rng(19)
+    truth = scene("thesis25", "right", random_joints(30, rng), 20)
+    seen = truth.series(0.001, rng).p_camera_m
+    seen[rng.random(seen.shape[:2]) < 0.15] = np.nan
+    fitter = PoseFitter(truth.subject, truth.protocol)
+    unled = fitter.fit(seen, 0.001)
+    led = fitter.fit(seen, 0.001, prior=JointPrior(truth.joints_rad, np.full(21, 0.05)))
+    measured = unled.joint_status == Status.MEASURED
+    assert 0.3 < measured.mean() < 0.99
+    assert (measured == (led.joint_status == Status.MEASURED)).mean() > 0.98
+
+
 def test_a_warm_start_reaches_the_same_hand(scene: Callable, random_joints: Callable) -> None:
     rng = np.random.default_rng(13)
     truth = scene("thesis25", "left", random_joints(20, rng), 14)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import contextlib
 import io
 import zipfile
 from collections.abc import Callable
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rehab_app.errors import REFUSALS
 from rehab_app.recording.importers import ImportedTake, import_recording
 from rehab_app.recording.take import read_motion
 from sessions.errors import Refused
@@ -192,3 +194,22 @@ def test_a_refused_import_leaves_no_file(tsv: Path, tmp_path: Path) -> None:
         take.write(tmp_path / "taken.mcap", exercise="grasp", software_version="0")
     assert {path.name for path in tmp_path.iterdir()} == {"take.tsv", "taken.mcap"}
     assert (tmp_path / "taken.mcap").read_bytes() == b"mine"
+
+
+@pytest.mark.parametrize("suffix", [".tsv", ".npz"])
+def test_damaged_files_are_refused_or_read_but_never_a_traceback(
+    tmp_path: Path, tsv_text: str, landmarks_m: Float64, suffix: str
+) -> None:
+    rng = np.random.default_rng(5)
+    whole = tsv_text.encode() if suffix == ".tsv" else npz(landmarks_m=landmarks_m)
+    path = tmp_path / f"take{suffix}"
+    for turn in range(40):
+        damaged = bytearray(whole)
+        if turn % 2:
+            damaged = damaged[: rng.integers(0, len(damaged))]
+        else:
+            for _ in range(3):
+                damaged[rng.integers(0, 250)] = rng.integers(0, 256)
+        path.write_bytes(bytes(damaged))
+        with contextlib.suppress(*REFUSALS):
+            import_recording(path, "right")

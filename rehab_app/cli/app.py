@@ -1,0 +1,51 @@
+"""The commands of ``rehab-app``; each imports what it needs when it runs, so that ``--help`` is quick."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from rehab_app import __version__
+from rehab_app.cli import demo, files, people, recording, serving, therapy
+from rehab_app.cli.refusals import Commands
+
+app = typer.Typer(
+    name="rehab-app",
+    cls=Commands,
+    help="Record a therapist's hand, replay it on a hand robot, report the patient's progress.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(__version__)
+        raise typer.Exit
+
+
+@app.callback()
+def root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Record a therapist's hand, replay it on a hand robot, report the patient's progress."""
+
+
+app.command("demo")(demo.demo)
+app.command("serve")(serving.serve)
+app.command("doctor")(serving.doctor)
+app.command("import")(recording.import_)
+app.command("record")(recording.record)
+app.command("approve")(recording.approve)
+app.command("rehearse")(therapy.rehearse)
+app.command("play")(therapy.play)
+app.command("report")(files.report)
+app.command("info")(files.info)
+app.command("verify")(files.verify)
+app.command("recover")(files.recover)
+app.add_typer(people.patient, name="patient")
+app.add_typer(people.user, name="user")

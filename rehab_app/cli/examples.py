@@ -1,0 +1,100 @@
+"""Example reports of the two real recordings: import, approve, rehearse, play, report."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from rehab_app.access import CONSOLE
+from rehab_app.bootstrap import open_clinic
+from rehab_app.errors import Refused
+from rehab_app.services.clinic import Clinic
+
+ENVIRONMENT = "REHAB_SHARED_DATA"
+SPEED = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """A real recording.
+
+    Attributes:
+        name: Stem of its reports.
+        file: Where it lies in the folder of recordings.
+    """
+
+    name: str
+    file: str
+
+
+EXAMPLES = (
+    Example("mocap-hand", "mocap_hand_dfki/recording.tsv"),
+    Example("video-hand", "human_hand_video/landmarks_m.npz"),
+)
+
+
+def make_examples(out: Path, seed: int, say: Callable[[str], None]) -> list[Path]:
+    """Bring each real recording through the whole of the app and keep its reports.
+
+    Args:
+        out: Folder of the reports; older ones of the same names are replaced.
+        seed: Seed of everything random.
+        say: Told what is going on.
+
+    Returns:
+        The reports: for each recording one of the take and one of the session, as HTML and JSON.
+
+    Raises:
+        Refused: The recordings are not there.
+    """
+    source = recordings()
+    out.mkdir(parents=True, exist_ok=True)
+    made: list[Path] = []
+    with tempfile.TemporaryDirectory() as folder, open_clinic(Path(folder)) as clinic:
+        for example in EXAMPLES:
+            say(f"{example.name}: {example.file}")
+            made += _make(clinic, example, source / example.file, out, seed, say)
+    return made
+
+
+def recordings() -> Path:
+    """Folder of the real recordings, which are not part of the project.
+
+    Raises:
+        Refused: It is not there.
+    """
+    named = os.environ.get(ENVIRONMENT, "")
+    beside = Path(__file__).resolve().parents[2].parent / "shared" / "data"
+    folder = Path(named) if named else beside
+    if not folder.is_dir():
+        raise Refused(
+            "folder of real recordings",
+            f"{folder}, which does not exist",
+            "a folder with mocap_hand_dfki and human_hand_video",
+            f"name it in {ENVIRONMENT}",
+        )
+    return folder
+
+
+def _make(
+    clinic: Clinic, example: Example, file: Path, out: Path, seed: int, say: Callable[[str], None]
+) -> list[Path]:
+    summary = clinic.takes.import_file(file, actor=CONSOLE, side="right")
+    clinic.takes.approve(summary.take, CONSOLE)
+    prepared = clinic.therapy.plan(summary.take, actor=CONSOLE, speed=SPEED, repetitions=1, seed=seed)
+    for note in prepared.notes:
+        say(f"  {note}")
+    result = clinic.therapy.rehearse_and_play(prepared, actor=CONSOLE)
+    percent = 100 * prepared.plan.prescription.speed
+    say(f"  played at {percent:.0f} % of its speed: {result.simulated_s:.0f} s of therapy")
+    made: list[Path] = []
+    for subject, kind in ((summary.take, "take"), (result.session, "session")):
+        for path in clinic.reports.report([subject], ("html", "json"), actor=CONSOLE):
+            target = out / f"{example.name}-{kind}{path.suffix}"
+            shutil.copyfile(path, target)
+            made.append(target)
+    return made

@@ -1,0 +1,102 @@
+"""People: patients and accounts."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+
+from rehab_app.cli.options import Data, Json, Side
+from rehab_app.cli.output import Output
+from rehab_app.cli.refusals import Commands
+
+patient = typer.Typer(cls=Commands, help="Patients of the clinic.", no_args_is_help=True)
+user = typer.Typer(cls=Commands, help="Accounts of the clinic.", no_args_is_help=True)
+
+
+@patient.command("add")
+def add_patient(
+    given: Annotated[str, typer.Option("--given", help="Given name.")],
+    family: Annotated[str, typer.Option("--family", help="Family name.")],
+    birth_date: Annotated[str, typer.Option("--birth-date", help="As 1950-12-31.")],
+    side: Side,
+    hand_length: Annotated[
+        float, typer.Option("--hand-length", help="Wrist crease to middle fingertip, m.")
+    ] = 0.189,
+    impairment: Annotated[str, typer.Option("--impairment", help="A note.")] = "",
+    data: Data = None,
+    json: Json = False,
+) -> None:
+    """Add a patient; files will know the pseudonym only."""
+    from rehab_app.access import CONSOLE
+    from rehab_app.bootstrap import open_clinic
+
+    output = Output(json)
+    with open_clinic(data) as clinic:
+        added = clinic.patients.add(
+            CONSOLE,
+            given_name=given,
+            family_name=family,
+            birth_date=birth_date,
+            side=side,
+            hand_length_m=hand_length,
+            impairment=impairment,
+        )
+    output.say(f"Patient {added.id} is added.")
+    output.result(asdict(added))
+
+
+@patient.command("list")
+def list_patients(data: Data = None, json: Json = False) -> None:
+    """List the patients."""
+    from rehab_app.bootstrap import open_clinic
+
+    output = Output(json)
+    with open_clinic(data) as clinic:
+        rows = clinic.patients.list()
+    for row in rows:
+        output.say(f"{row.id}  {row.family_name}, {row.given_name}  {row.birth_date}  {row.side} hand")
+    output.result({"patients": [asdict(row) for row in rows]})
+
+
+@user.command("add")
+def add_user(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Sign-in name.")],
+    role: Annotated[
+        str, typer.Option("--role", help="administrator, therapist, assistant, patient or auditor.")
+    ] = "therapist",
+    data: Data = None,
+    json: Json = False,
+) -> None:
+    """Make an account; the password is asked for, or read from stdin where that is no terminal."""
+    from rehab_app.access import CONSOLE
+    from rehab_app.bootstrap import open_clinic
+
+    output = Output(json)
+    password = _password()
+    with open_clinic(data) as clinic:
+        account = clinic.accounts.add_user(name, role, password, CONSOLE)
+    output.say(f"{account.name} may sign in as {account.role}.")
+    output.result({"name": account.name, "role": account.role})
+
+
+@user.command("list")
+def list_users(data: Data = None, json: Json = False) -> None:
+    """List the accounts."""
+    from rehab_app.access import CONSOLE
+    from rehab_app.bootstrap import open_clinic
+
+    output = Output(json)
+    with open_clinic(data) as clinic:
+        accounts = clinic.accounts.list(CONSOLE)
+    for account in accounts:
+        output.say(f"{account.name}  {account.role}")
+    output.result({"users": [{"name": account.name, "role": account.role} for account in accounts]})
+
+
+def _password() -> str:
+    if not sys.stdin.isatty():
+        return sys.stdin.readline().rstrip("\n")
+    return str(typer.prompt("Password", hide_input=True, confirmation_prompt=True, err=True))

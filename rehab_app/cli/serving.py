@@ -1,0 +1,74 @@
+"""The clinic in the browser, and the doctor that looks at this machine."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from rehab_app.cli.options import Data, Json
+from rehab_app.cli.output import Output
+
+
+def serve(
+    host: Annotated[str, typer.Option("--host", help="Address to listen on.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option("--port", help="Port to listen on.", min=1, max=65535)] = 8080,
+    data: Data = None,
+) -> None:
+    """Open the clinic for browsers."""
+    from rehab_app.bootstrap import check_port, open_clinic
+    from rehab_app.cli.doctor import unsealed
+    from rehab_app.config import ClinicFolder
+
+    output = Output(False)
+    check_port(host, port)
+    with open_clinic(data, serving=True) as clinic:
+        from rehab_app.web import serve as run
+
+        for path in unsealed(ClinicFolder(clinic.folder)):
+            output.say(f"{path.name} was never sealed; restore it with: rehab-app recover {path}")
+        run(
+            clinic,
+            host=host,
+            port=port,
+            ready=lambda: output.say(
+                f"The clinic is open at http://{shown(host)}:{port} - end it with Ctrl+C."
+            ),
+        )
+
+
+def doctor(
+    port: Annotated[int, typer.Option("--port", help="Port that serve would use.")] = 8080,
+    data: Data = None,
+    json: Json = False,
+) -> None:
+    """Look at this machine: can it serve, simulate, and keep time?"""
+    from rehab_app.cli.doctor import examine
+    from rehab_app.config import resolve_folder
+
+    output = Output(json)
+    findings = examine(resolve_folder(data), port)
+    for finding in findings:
+        output.say(f"{'ok  ' if finding.ok else 'LOOK'}  {finding.name}: {finding.found}")
+        if finding.remedy:
+            output.say(f"      {finding.remedy}")
+    output.result(
+        {
+            "ok": all(finding.ok for finding in findings),
+            "checks": [
+                {
+                    "name": finding.name,
+                    "ok": finding.ok,
+                    "found": finding.found,
+                    "remedy": finding.remedy,
+                    "figures": finding.figures,
+                }
+                for finding in findings
+            ],
+        }
+    )
+
+
+def shown(host: str) -> str:
+    """The address that a person types into a browser on this machine."""
+    return "localhost" if host in ("127.0.0.1", "::1", "0.0.0.0") else host

@@ -1,0 +1,1 @@
+"""Every verb that pages and commands may call, role-checked and audited."""

@@ -1,0 +1,67 @@
+"""A clinic: its folder, catalogue and services."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+
+from rehab_app.services.accounts import Accounts
+from rehab_app.services.audit import Audit
+from rehab_app.services.lease import ServerLease
+from rehab_app.services.live import LiveDesk
+from rehab_app.services.patients import Patients
+from rehab_app.services.reports import Reports
+from rehab_app.services.sessions import Sessions
+from rehab_app.services.takes import Takes
+from rehab_app.services.therapy import Therapy
+from sessions.catalogue import Catalogue
+
+
+@dataclass(frozen=True, slots=True)
+class Clinic:
+    """Everything that pages and commands may use; a context manager that closes it.
+
+    Attributes:
+        folder: The clinic folder.
+        catalogue: Its catalogue.
+        version: Version of the application.
+        audit: The audit.
+        accounts: Who may sign in.
+        patients: Patients.
+        takes: Recorded demonstrations.
+        therapy: Plan, rehearse, play.
+        sessions: Recorded therapy sessions.
+        reports: Reports of both.
+        live: The live state machine.
+        lease: The one server's lease, None where this is no server.
+    """
+
+    folder: Path
+    catalogue: Catalogue
+    version: str
+    audit: Audit
+    accounts: Accounts
+    patients: Patients
+    takes: Takes
+    therapy: Therapy
+    sessions: Sessions
+    reports: Reports
+    live: LiveDesk
+    lease: ServerLease | None = None
+
+    def __enter__(self) -> Clinic:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End live work, write waiting audit rows, close the catalogue, give the lease back."""
+        self.live.close()
+        self.audit.close()
+        self.catalogue.close()
+        if self.lease is not None:
+            self.lease.release()

@@ -1,0 +1,257 @@
+"""The one live state machine of a clinic: record, rehearse, play, stop. Thread-safe; never blocks a caller.
+
+States::
+
+    idle ─start_recording─▶ countdown ─▶ recording ─▶ processing ─▶ done
+    idle ─start_therapy──▶ rehearsing ─▶ playing ─▶ done
+    any  ─press_stop─────▶ stopped (latched) ─clear_stop─▶ idle
+"""
+
+from __future__ import annotations
+
+import secrets
+import threading
+from dataclasses import replace
+from typing import TypeAlias
+
+from rehab_app.access import Account, require
+from rehab_app.errors import REFUSALS, Refused
+from rehab_app.services.audit import Audit
+from rehab_app.services.live_board import Board
+from rehab_app.services.live_recording import RecordingJob, RecordingOrder
+from rehab_app.services.live_therapy import TherapyJob
+from rehab_app.services.snapshot import BUSY, LiveSnapshot
+from rehab_app.services.takes import Takes
+from rehab_app.services.therapy import Therapy
+from sessions.records.fields import Float64
+
+Job: TypeAlias = RecordingJob | TherapyJob
+
+
+class LiveDesk:
+    """What the live page drives. Every verb returns at once; the work happens on the desk's own threads.
+
+    Args:
+        takes: Where recordings go.
+        therapy: What rehearses and plays.
+        audit: Where every verb is noted.
+    """
+
+    def __init__(self, takes: Takes, therapy: Therapy, audit: Audit) -> None:
+        self._takes = takes
+        self._therapy = therapy
+        self._audit = audit
+        self._board = Board()
+        self._starting = threading.Lock()
+        self._thread: threading.Thread | None = None
+        # The next two are read and written without a lock by press_stop: single attribute accesses.
+        self._job: Job | None = None
+        self._stop_source = ""
+
+    def snapshot(self) -> LiveSnapshot:
+        """The newest picture; takes no lock."""
+        shown, source = self._board.snapshot, self._stop_source
+        if not source:
+            return shown
+        message = "Stopped. Look at the patient, then clear the stop."
+        return replace(shown, state="stopped", message=message, stop_source=source)
+
+    def camera_jpeg(self) -> bytes | None:
+        """The newest camera image as JPEG, None while no camera runs."""
+        return self._board.jpeg
+
+    def error_history(self) -> tuple[Float64, Float64]:
+        """RMS fingertip error of the last 30 s: t_s (n,) and error_mm (n,)."""
+        return self._board.error_history()
+
+    def start_recording(
+        self,
+        account: Account,
+        exercise: str,
+        side: str,
+        seconds: float,
+        countdown_s: float = 3.0,
+        seed: int | None = None,
+    ) -> None:
+        """Count down and record from the virtual camera in real time.
+
+        Raises:
+            Refused: The role may not record, the desk is busy, stop is pressed, or a value is out of bounds.
+        """
+        require(account, "record")
+        self._takes.check_recording(exercise, side, seconds)
+        if not 0.0 <= countdown_s <= 30.0:
+            raise Refused("countdown", f"{countdown_s:g} s", "0 to 30 s", "choose a shorter countdown")
+        drawn = secrets.randbelow(2**31) if seed is None else seed
+        order = RecordingOrder(account, exercise, side, seconds, countdown_s, drawn)
+        with self._starting:
+            self._check_free()
+            self._board.begin(
+                state="countdown",
+                message="Get ready: hand open and still.",
+                side=side,
+                countdown_s=countdown_s,
+            )
+            self._start(RecordingJob(self._board, self._takes, order))
+
+    def finish_recording(self, account: Account) -> None:
+        """End the recording now and keep what there is."""
+        require(account, "record")
+        job = self._job
+        if job is not None:
+            job.finish()
+
+    def start_therapy(
+        self,
+        account: Account,
+        patient_id: str | None,
+        take_id: str,
+        mode: str = "passive",
+        speed: float = 0.5,
+        repetitions: int = 3,
+        twin: str = "healthy",
+        seed: int = 0,
+    ) -> None:
+        """Rehearse, then play in real time.
+
+        Raises:
+            Refused: The role may not play, the desk is busy, stop is pressed, the take is not approved, the
+                patient is unknown, or the prescription is out of bounds.
+        """
+        require(account, "play")
+        self._check_free()
+        self._therapy.check_approved(self._takes.get(take_id))
+        prepared = self._therapy.plan(
+            take_id,
+            actor=account,
+            patient_id=patient_id,
+            mode=mode,
+            speed=speed,
+            repetitions=repetitions,
+            twin=twin,
+            seed=seed,
+            realtime=True,
+        )
+        with self._starting:
+            self._check_free()
+            self._board.begin(
+                state="rehearsing",
+                message=" ".join(("Rehearsing on the virtual twin.", *prepared.notes)),
+                patient_id=prepared.patient_id,
+                take_id=prepared.take_id,
+                side=prepared.geometry.side,
+                geometry=prepared.geometry,
+                repetitions=repetitions,
+                speed=prepared.plan.prescription.speed,
+            )
+            self._start(TherapyJob(self._board, self._therapy, prepared, account))
+
+    def pause(self, account: Account) -> None:
+        """Hold the path."""
+        require(account, "play")
+        self._playing("pause").pause()
+        self._audit.note_later(account.name, "pause")
+
+    def resume(self, account: Account) -> None:
+        """Go on along the path."""
+        require(account, "play")
+        self._playing("resume").resume()
+        self._audit.note_later(account.name, "resume")
+
+    def set_speed(self, account: Account, speed: float) -> None:
+        """Ask for another path speed, 0.1 to 1.
+
+        Raises:
+            Refused: The role may not play, nothing is played, or the speed is out of bounds.
+        """
+        require(account, "play")
+        if not 0.1 <= speed <= 1.0:
+            raise Refused("speed", f"{speed:g}", "0.1 to 1", "choose a speed within it")
+        self._playing("speed").set_speed(speed)
+        self._audit.note_later(account.name, "set speed", detail=f"{speed:g}")
+
+    def press_stop(self, source: str) -> None:
+        """Stop. No role, no lock, no database: writes the stop word, then queues the audit row."""
+        self._stop_source = source or "unnamed"
+        job = self._job
+        if job is not None:
+            job.stop()
+        self._audit.note_later(source or "unnamed", "stop")
+
+    def clear_stop(self, account: Account, confirmed: bool) -> None:
+        """Release the latched stop after somebody has looked at the patient.
+
+        Raises:
+            Refused: The role may not, it was not confirmed, or the robot is still braking.
+        """
+        require(account, "clear_stop")
+        if not confirmed:
+            raise Refused(
+                "stop", "latched", "cleared only by someone who looked at the patient", "confirm that you did"
+            )
+        if self._thread is not None and self._thread.is_alive():
+            raise Refused("stop", "still braking and sealing", "at rest", "try again in a moment")
+        self._stop_source = ""
+        self._board.begin(message="Ready. The stop was cleared.")
+        self._audit.note_later(account.name, "clear stop")
+
+    def pain(self, account: Account | None, digit: str = "") -> None:
+        """Enter pain, by anyone: the run holds, and the entry is recorded."""
+        job = self._job
+        if isinstance(job, TherapyJob):
+            job.pain()
+        name = "unnamed" if account is None else account.name
+        self._audit.note_later(name, "pain", detail=digit)
+
+    def operator_beat(self) -> None:
+        """The operator's page is alive; more than 1 s of silence while playing holds the path."""
+        job = self._job
+        if isinstance(job, TherapyJob):
+            job.hear_operator()
+
+    def close(self) -> None:
+        """Stop whatever runs and wait until it is sealed."""
+        job, thread = self._job, self._thread
+        if job is not None:
+            job.stop()
+        if thread is not None:
+            thread.join()
+
+    def _check_free(self) -> None:
+        if self._stop_source:
+            raise Refused("stop", "pressed", "cleared", "look at the patient and clear the stop")
+        alive = self._thread is not None and self._thread.is_alive()
+        if alive or self._board.snapshot.state in BUSY:
+            raise Refused(
+                "live desk", self._board.snapshot.state, "free", "wait until it is done, or stop it"
+            )
+
+    def _playing(self, verb: str) -> TherapyJob:
+        job = self._job
+        if not isinstance(job, TherapyJob):
+            raise Refused(
+                verb, "asked for while nothing is played", "during a session", "start a session first"
+            )
+        return job
+
+    def _start(self, job: Job) -> None:
+        self._job = job
+        if self._stop_source:  # pressed between the check and here
+            job.stop()
+        self._thread = threading.Thread(target=self._work, args=(job,), name="live", daemon=True)
+        self._thread.start()
+
+    def _work(self, job: Job) -> None:
+        """Run a job; whatever ends it, the desk is left in a state that can be read."""
+        message = "The work ended unexpectedly; the server's log says why."
+        try:
+            job.run()
+            message = ""
+        except REFUSALS as refusal:
+            message = str(refusal)
+        except OSError as error:
+            message = f"The file could not be written: {error.strerror or error}."
+        finally:
+            self._job = None
+            if message:
+                self._board.update(state="failed", message=message)

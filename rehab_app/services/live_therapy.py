@@ -1,0 +1,153 @@
+"""Plays a therapy session in real time: beats, the operator's watch, the picture, the sealed session."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+
+import numpy as np
+
+from rehab_app.access import Account
+from rehab_app.services.live_board import Board
+from rehab_app.services.rows import PreparedPlan
+from rehab_app.services.therapy import Therapy, check_accepted
+from rehab_app.therapy.run_poses import WornHand
+from robot_iface.link import LiveSample, MotionClient
+from robot_iface.types import SafetyState
+
+_HELD = (SafetyState.HOLD, SafetyState.COMPLIANT)
+BEAT_S = 1.0 / 30.0
+OPERATOR_SILENCE_S = 1.0
+
+
+class TherapyJob:
+    """One session on its own thread, with a second one that beats and draws."""
+
+    def __init__(self, board: Board, therapy: Therapy, prepared: PreparedPlan, actor: Account) -> None:
+        self._board = board
+        self._therapy = therapy
+        self._prepared = prepared
+        self._actor = actor
+        self._client: MotionClient | None = None
+        self._stopped = False
+        self._done = threading.Event()
+        self._heard_s = time.monotonic()
+        self._last_ns = -1
+        self._hand = WornHand(prepared.geometry, prepared.plan.path.joint_names, 0.0)
+
+    def stop(self) -> None:
+        """Write the stop word. The flag covers a press before the motion process exists."""
+        self._stopped = True
+        client = self._client
+        if client is not None:
+            with contextlib.suppress(ValueError):  # its shared page is gone: the run has just ended
+                client.press_stop()
+
+    def finish(self) -> None:
+        """Nothing to finish early: a session ends by its prescription or by stop."""
+
+    def hear_operator(self) -> None:
+        """The operator's page has spoken; the motion process holds after a second without it."""
+        self._heard_s = time.monotonic()
+        client = self._client
+        if client is not None:
+            with contextlib.suppress(ValueError):
+                client.operator_beat()
+
+    def pause(self, message: str = "Paused.") -> None:
+        """Hold the path."""
+        if self._client is not None:
+            self._client.pause()
+        self._board.update(paused=True, message=message)
+
+    def resume(self) -> None:
+        """Go on; out of a hold, a person who is present clears it first and enables anew."""
+        self.hear_operator()
+        if self._client is not None:
+            if self._client.live().safety_state in _HELD:
+                self._client.reset()
+            self._client.resume()
+        self._board.update(paused=False, message="Playing.")
+
+    def set_speed(self, speed: float) -> None:
+        """Ask for another path speed."""
+        if self._client is not None:
+            self._client.set_speed(speed)
+        self._board.update(speed=speed)
+
+    def pain(self) -> None:
+        """Pain was entered: the supervisor holds."""
+        if self._client is not None:
+            self._client.pain()
+        self._board.update(paused=True, message="Held: pain was entered. Look at the patient.")
+
+    def run(self) -> None:
+        """Rehearse, play, seal.
+
+        Raises:
+            Refused: The rehearsal refused the plan, or the motion process failed.
+        """
+        with MotionClient() as client:
+            self._client = client
+            try:
+                self._run(client)
+            finally:
+                self._client = None
+
+    def _run(self, client: MotionClient) -> None:
+        certificate = self._therapy.rehearse(self._prepared, actor=self._actor, client=client)
+        check_accepted(certificate)
+        if self._stopped:
+            self._board.update(message="Stopped before the robot moved.")
+            return
+        self._board.update(state="playing", message="Playing.")
+        self.hear_operator()
+        watch = threading.Thread(target=self._watch, args=(client,), name="live-watch", daemon=True)
+        watch.start()
+        try:
+            result = self._therapy.play(self._prepared, certificate, actor=self._actor, client=client)
+        finally:
+            self._done.set()
+            watch.join()
+        words = "The session is recorded." if result.completed else "The session ended early and is recorded."
+        self._board.update(state="done", message=words, session_id=result.session, paused=False)
+
+    def _watch(self, client: MotionClient) -> None:
+        """Beat and draw, 30 times a second, until the run ends."""
+        while not self._done.wait(BEAT_S):
+            client.beat()
+            sample = client.live()
+            self._say_held(sample)
+            self._draw(sample)
+
+    def _say_held(self, sample: LiveSample) -> None:
+        """Tell the page of a hold that the motion process entered by itself."""
+        if sample.safety_state not in _HELD or self._board.snapshot.paused:
+            return
+        silent = time.monotonic() - self._heard_s > OPERATOR_SILENCE_S
+        why = "the operator's page fell silent" if silent else "a safety rule asked for it"
+        self._board.update(paused=True, message=f"Held: {why}. Look at the patient, then press Resume.")
+
+    def _draw(self, sample: LiveSample) -> None:
+        """Publish what the motion process measured since the last picture."""
+        if sample.t_ns == self._last_ns or not sample.q_rad.size:
+            return
+        self._last_ns = sample.t_ns
+        patient = self._hand.poses(sample.q_rad[None])
+        therapist = self._hand.poses(sample.q_reference_rad[None])
+        error_m = np.linalg.norm(patient.fingertips_m[0] - therapist.fingertips_m[0], axis=1)
+        t_s = sample.t_ns / 1e9
+        self._board.add_error(t_s, float(np.sqrt(np.mean(error_m**2))))
+        self._board.picture(
+            t_s=t_s,
+            therapist_joints_rad=therapist.joints_rad[0],
+            patient_joints_rad=patient.joints_rad[0],
+            fingertip_error_m=error_m,
+            phase=sample.phase,
+            repetition=sample.repetition,
+            started_by=sample.started_by,
+            support=float(np.mean(sample.stiffness_multiple)),
+            interaction_nm=float(np.max(np.abs(sample.tau_interaction_nm))),
+            safety_state=sample.safety_state.name,
+        )

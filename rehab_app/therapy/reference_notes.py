@@ -1,0 +1,62 @@
+"""What became of a take on its way to a reference, in sentences for a therapist."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rehab_app.recording.take import HandMotion
+from robot_iface.types import Limits
+from sessions.records import JOINTS
+from sessions.records.fields import Float64, Int64
+
+CLIP_NOTE_RAD = float(np.deg2rad(1.0))
+"""From where on a clip to the limits is worth a sentence."""
+GAP_NOTE_S = 0.5
+"""From where on a bridged gap is worth one."""
+
+
+def trim_notes(motion: HandMotion, span_s: tuple[float, float]) -> tuple[str, ...]:
+    """What was left out of a still beginning and end."""
+    head_s, tail_s = span_s[0] - float(motion.t_s[0]), float(motion.t_s[-1]) - span_s[1]
+    ends = ((head_s, "start"), (tail_s, "end"))
+    parts = [f"{length:.1f} s at its {end}" for length, end in ends if length > 0.05]
+    return (f"The take was trimmed of {' and '.join(parts)}.",) if parts else ()
+
+
+def gap_notes(motion: HandMotion, driven: Int64) -> tuple[str, ...]:
+    """Driven joints that were never seen, or not for a while."""
+    notes: list[str] = []
+    for joint in driven:
+        seen_s = motion.t_s[np.isfinite(motion.joints_rad[:, joint])]
+        if not seen_s.size:
+            notes.append(f"{JOINTS[joint]} was never seen: it is held at 0 deg.")
+            continue
+        gaps_s = np.diff(seen_s)
+        if gaps_s.size and float(gaps_s.max()) > GAP_NOTE_S:
+            worst = int(np.argmax(gaps_s))
+            notes.append(
+                f"{JOINTS[joint]} was not seen for {gaps_s[worst]:.1f} s from {seen_s[worst]:.1f} s on: "
+                "the gap is bridged smoothly."
+            )
+    return tuple(notes)
+
+
+def clip_notes(names: tuple[str, ...], wish_rad: Float64, limits: Limits) -> tuple[str, ...]:
+    """By how much the limits cut each joint.
+
+    Args:
+        names: The J driven joints.
+        wish_rad: Smooth angles before the limits, shape (K, J).
+        limits: Bounds of those joints.
+    """
+    notes: list[str] = []
+    for joint, name in enumerate(names):
+        low, high = float(limits.q_min_rad[joint]), float(limits.q_max_rad[joint])
+        over, under = float(wish_rad[:, joint].max()) - high, low - float(wish_rad[:, joint].min())
+        for amount, bound, way in ((over, high, "upper"), (under, low, "lower")):
+            if amount > CLIP_NOTE_RAD:
+                notes.append(
+                    f"Limits clipped {name} by {np.rad2deg(amount):.0f} deg at its {way} end "
+                    f"({np.rad2deg(bound):.0f} deg)."
+                )
+    return tuple(notes)

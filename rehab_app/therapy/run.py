@@ -1,0 +1,126 @@
+"""Records a run of the motion process as a session file.
+
+What flows::
+
+    motion process ──TickBlock, PhaseChange, SafetyEvent──▶ RunRecorder ──records──▶ SessionWriter
+                   ──RunEnd────────────────────────────────▶ seal ──▶ measure ──▶ PlayResult
+"""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Iterable
+from pathlib import Path
+
+import msgspec
+
+from rehab_app.hand.subject import geometry_to_json
+from rehab_app.therapy.run_poses import WornHand
+from rehab_app.therapy.run_recorder import Message, RunRecorder
+from rehab_app.therapy.run_result import PlayResult, result_of
+from robot_iface.errors import Refused
+from robot_iface.kinematics import HandGeometry
+from robot_iface.types import Capabilities, Certificate, Plan, RunEnd
+from sessions.records import SessionHeader
+from sessions.store import SessionWriter
+from sessions.timebase import Timebase
+
+__all__ = ["PlayResult", "record_run", "session_header"]
+
+
+def session_header(
+    plan: Plan,
+    certificate: Certificate,
+    geometry: HandGeometry,
+    exercise: str,
+    subject_id: str,
+    device: Capabilities,
+) -> SessionHeader:
+    """Header of a therapy session.
+
+    A simulated device keeps simulated time, which starts at 0 and is the monotonic clock of the file, so that
+    equal runs write equal messages; a real device keeps the machine's.
+
+    Args:
+        plan: What is played.
+        certificate: Of its rehearsal.
+        geometry: The patient's hand.
+        exercise: Exercise name.
+        subject_id: Pseudonym.
+        device: What plays it.
+    """
+    now = Timebase.now()
+    return SessionHeader(
+        session_id=uuid.uuid4().hex,
+        kind="therapy",
+        subject_id=subject_id,
+        side=plan.path.side,
+        exercise=exercise,
+        source=f"{device.name} (simulated, {plan.twin.kind})" if device.simulated else device.name,
+        software_version=plan.software_version,
+        utc_start_ns=now.utc_start_ns,
+        monotonic_start_ns=0 if device.simulated else now.monotonic_start_ns,
+        robot_joints=plan.path.joint_names,
+        subject_hand=geometry_to_json(geometry),
+        limits=_json(plan.limits),
+        prescription=_json(plan.prescription),
+        certificate=_json(certificate),
+        parents=(plan.path.take_digest,),
+    )
+
+
+def record_run(
+    messages: Iterable[Message | RunEnd],
+    path: Path,
+    header: SessionHeader,
+    plan: Plan,
+    geometry: HandGeometry,
+    device: Capabilities,
+) -> PlayResult:
+    """Write everything that the motion process reports until it ends, seal the file and measure it.
+
+    A run that was stopped ends, too, and is sealed like any other. Leaving by an exception leaves the
+    ``.partial.mcap``, which ``recover`` restores.
+
+    Args:
+        messages: What ``MotionClient.messages`` yields; a RunEnd comes last.
+        path: The session file.
+        header: Its header.
+        plan: What is played.
+        geometry: The patient's hand.
+        device: What plays it.
+
+    Raises:
+        Refused: The motion process ended without saying how, or the file cannot be written.
+    """
+    hand = WornHand(geometry, plan.path.joint_names, device.encoder_std_rad)
+    end: RunEnd | None = None
+    with SessionWriter(path, header) as writer:
+        recorder = RunRecorder(writer.write, hand, plan.path.joint_names, plan.prescription.mode)
+        for message in messages:
+            if isinstance(message, RunEnd):
+                end = message
+                break
+            recorder.take(message)
+        if end is None:
+            raise Refused(
+                "motion process",
+                "gone before the run ended",
+                "running to its end",
+                "recover the session file and play again",
+            )
+        sealed = writer.seal()
+    return result_of(sealed, plan.prescription.mode, end)
+
+
+def _json(value: object) -> str:
+    """JSON of a frozen dataclass; arrays become lists."""
+    return msgspec.json.encode(value, enc_hook=_plain).decode()
+
+
+def _plain(value: object) -> object:
+    """Arrays and scalars as lists and numbers."""
+    listed = getattr(value, "tolist", None)
+    if listed is None:
+        raise NotImplementedError(f"{type(value).__name__} has no JSON form")
+    return listed()

@@ -1,0 +1,174 @@
+"""The whole web application."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import AsyncGenerator, Callable
+from contextlib import asynccontextmanager
+from importlib import resources
+
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.types import Scope
+
+from rehab_app.access import RateLimit, Verb
+from rehab_app.config import ClinicFolder
+from rehab_app.services.clinic import Clinic
+from rehab_app.web import stop
+from rehab_app.web.gateway import picture, wire
+from rehab_app.web.gateway.client_page import ClientPages
+from rehab_app.web.guard import Guard, own_names
+from rehab_app.web.pages import entry, live, patients, recordings
+from rehab_app.web.remember import Remembered
+from rehab_app.web.render import page_templates
+from rehab_app.web.signing import Seal, clinic_key
+from rehab_app.web.site import Site, Viewports
+from rehab_app.web.visit import Visit, action, page
+
+_TRIES = 20
+_TRIES_WINDOW_S = 300.0
+
+
+def create_app(
+    clinic: Clinic, host: str = "127.0.0.1", open_viewports: Callable[[Clinic], Viewports] | None = None
+) -> Starlette:
+    """The shell and the gateway around one clinic.
+
+    Args:
+        clinic: The clinic.
+        host: Address that the server listens on, one of the names that it answers to.
+        open_viewports: Makes the viewports; by default the real ones.
+    """
+    site = Site(
+        clinic=clinic,
+        seal=Seal(clinic_key(ClinicFolder(clinic.folder).secret)),
+        templates=page_templates(),
+        viewports=(open_viewports or _real_viewports)(clinic),
+        sign_in_limit=RateLimit(_TRIES, _TRIES_WINDOW_S, time.monotonic),
+        accounts=Remembered(clinic.accounts.account, 2.0),
+        patients=Remembered(clinic.patients.get, 10.0),
+    )
+
+    @asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncGenerator[None]:
+        yield
+        await run_in_threadpool(site.viewports.close)
+
+    app = Starlette(
+        routes=_routes(),
+        middleware=[Middleware(Guard, hosts=own_names(host))],
+        lifespan=lifespan,
+        exception_handlers={404: _not_found, 500: _failed},
+    )
+    app.state.site = site
+    return app
+
+
+def _routes() -> list[BaseRoute]:
+    return [*_entry_routes(), *_live_routes(), *_record_routes(), *_gateway_routes()]
+
+
+def _entry_routes() -> list[BaseRoute]:
+    return [
+        Route("/", entry.start),
+        Route("/sign-in", entry.sign_in_page, methods=["GET"]),
+        Route("/sign-in", entry.sign_in, methods=["POST"]),
+        Route("/set-up", entry.set_up_page, methods=["GET"]),
+        Route("/set-up", entry.set_up, methods=["POST"]),
+        Route("/sign-out", action(entry.sign_out, "stop", "/"), methods=["POST"]),
+        Route("/stop", stop.press, methods=["POST"]),
+        Route("/stop/state", stop.state, methods=["GET"]),
+        Route("/stop/clear", action(stop.clear, "clear_stop", "/"), methods=["POST"]),
+        Mount("/static", _Static(directory=str(resources.files("web_assets") / "static"))),
+    ]
+
+
+def _live_routes() -> list[BaseRoute]:
+    def does(name: str, answer: Callable[[Visit], Response], verb: Verb) -> BaseRoute:
+        return Route(f"/live/{name}", action(answer, verb, "/live"), methods=["POST"])
+
+    return [
+        Route("/live", page(live.live), methods=["GET"]),
+        Route("/live/takes", page(live.takes), methods=["GET"]),
+        does("beat", live.beat, "view"),
+        does("record", live.record, "record"),
+        does("finish", live.finish, "record"),
+        does("play", live.play, "play"),
+        does("pause", live.pause, "play"),
+        does("resume", live.resume, "play"),
+        does("speed", live.speed, "play"),
+        does("pain", live.pain, "stop"),
+    ]
+
+
+def _record_routes() -> list[BaseRoute]:
+    routes: list[BaseRoute] = [
+        Route("/patients", page(patients.patients), methods=["GET"]),
+        Route("/patients", action(patients.add_patient, "prescribe", "/patients"), methods=["POST"]),
+        Route("/patients/new", page(patients.new_patient, "prescribe"), methods=["GET"]),
+        Route("/patients/{patient}", page(patients.patient), methods=["GET"]),
+        Route("/takes", page(recordings.takes), methods=["GET"]),
+        Route("/takes/{recording}", page(recordings.take), methods=["GET"]),
+        Route(
+            "/takes/{recording}/approve", action(recordings.approve, "approve", "/takes"), methods=["POST"]
+        ),
+        Route("/sessions", page(recordings.sessions), methods=["GET"]),
+        Route("/sessions/{recording}", page(recordings.session), methods=["GET"]),
+    ]
+    for kind in ("takes", "sessions"):
+        routes += [
+            Route(f"/{kind}/{{recording}}/report", page(recordings.report), methods=["GET"]),
+            Route(f"/{kind}/{{recording}}/report.html", page(recordings.report_html), methods=["GET"]),
+            Route(f"/{kind}/{{recording}}/report.json", page(recordings.report_json), methods=["GET"]),
+        ]
+    return routes
+
+
+def _gateway_routes() -> list[BaseRoute]:
+    pages = ClientPages()
+    look_live, look_review = picture.endpoint(pages, _live_port), picture.endpoint(pages, _review_port)
+    # The live picture is shared, so only those who may play move its controls; a review harms nobody.
+    hear_live, hear_review = wire.endpoint(_live_port, "play"), wire.endpoint(_review_port, "view")
+    return [
+        Route("/live/view/", look_live, methods=["GET"]),
+        Route("/review/{recording}/view/", look_review, methods=["GET"]),
+        WebSocketRoute("/live/view", hear_live),
+        WebSocketRoute("/review/{recording}/view", hear_review),
+    ]
+
+
+def _live_port(site: Site, _: str) -> int:
+    return site.viewports.live_port()
+
+
+def _review_port(site: Site, recording: str) -> int:
+    return site.viewports.review_port(recordings.catalogue_id(recording))
+
+
+def _real_viewports(clinic: Clinic) -> Viewports:
+    from rehab_app.web.screens import Screens
+
+    return Screens(clinic)
+
+
+def _not_found(request: Request, _: Exception) -> Response:
+    return PlainTextResponse(f"There is no page {request.url.path}.", 404)
+
+
+def _failed(_: Request, __: Exception) -> Response:
+    return PlainTextResponse("This page failed; the server's log says why. The stop still works.", 500)
+
+
+class _Static(StaticFiles):
+    """Style sheets and scripts: kept by browsers, but asked for again with their entity tag."""
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        """One file."""
+        answer = await super().get_response(path, scope)
+        answer.headers["cache-control"] = "no-cache"
+        return answer

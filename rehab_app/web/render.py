@@ -1,0 +1,103 @@
+"""Renders the shell's pages."""
+
+from __future__ import annotations
+
+from datetime import UTC, date, datetime
+from importlib import resources
+from typing import TYPE_CHECKING
+
+from jinja2 import Environment, FunctionLoader, StrictUndefined
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, Response
+
+from rehab_app.access import Account
+from rehab_app.web.signing import Ticket
+from rehab_app.web.words import EXERCISES, MODES
+
+if TYPE_CHECKING:
+    from rehab_app.web.site import Site
+
+_FOLDER = resources.files("web_assets") / "templates"
+
+
+def page_templates() -> Environment:
+    """The templates; every value is escaped, a missing one is an error."""
+    environment = Environment(
+        loader=FunctionLoader(lambda name: (_FOLDER / name).read_text(encoding="utf-8")),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["day"] = day
+    environment.filters["moment"] = moment
+    environment.filters["instant"] = instant
+    environment.filters["exercise"] = exercise
+    environment.filters["mode"] = mode
+    return environment
+
+
+def render(
+    site: Site,
+    request: Request,
+    template: str,
+    *,
+    visitor: Account | None = None,
+    ticket: Ticket | None = None,
+    status: int = 200,
+    **values: object,
+) -> Response:
+    """One page, with the stop's state and the sentence that was kept for it.
+
+    Args:
+        site: The site.
+        request: The request.
+        template: Its file.
+        visitor: Who looks, None where nobody is signed in.
+        ticket: Their sign-in.
+        status: HTTP status.
+        values: What the template shows.
+    """
+    notice = site.seal.read_notice(request.cookies.get("rehab_notice"))
+    html = site.templates.get_template(template).render(
+        visitor=visitor,
+        form_token="" if ticket is None else site.seal.form_token(ticket),
+        stopped=bool(site.clinic.live.snapshot().stop_source),
+        path=request.url.path,
+        notice=notice,
+        version=site.clinic.version,
+        **values,
+    )
+    answer = HTMLResponse(html, status)
+    if notice is not None:
+        answer.delete_cookie("rehab_notice", httponly=True, samesite="strict")
+    return answer
+
+
+def exercise(name: str) -> str:
+    """An exercise in words."""
+    return EXERCISES.get(name, name.replace("_", " "))
+
+
+def mode(name: str) -> str:
+    """A therapy mode in words."""
+    return MODES.get(name, name)
+
+
+def day(text: str) -> str:
+    """An ISO date as people write it: 14 March 1957."""
+    if not text:
+        return "not noted"
+    read = date.fromisoformat(text)
+    return f"{read.day} {read:%B %Y}"
+
+
+def moment(utc_ns: int) -> str:
+    """A time of recording in the clinic's own time zone: 22 Nov 2026, 11:58."""
+    read = datetime.fromtimestamp(utc_ns // 1_000_000_000, tz=UTC).astimezone()
+    return f"{read.day} {read:%b %Y, %H:%M}"
+
+
+def instant(utc_ns: int) -> str:
+    """The same for machines, ISO 8601."""
+    return datetime.fromtimestamp(utc_ns // 1_000_000_000, tz=UTC).isoformat()

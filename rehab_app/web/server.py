@@ -1,0 +1,96 @@
+"""Runs the application on one port."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import socket
+from collections.abc import Callable
+
+import uvicorn
+from starlette.applications import Starlette
+
+from rehab_app.errors import Refused
+from rehab_app.services.clinic import Clinic
+from rehab_app.web.app import create_app
+from rehab_app.web.gateway.wire import BUFFER_BYTES
+
+_BACKLOG = 128
+
+
+def serve(
+    clinic: Clinic,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    ready: Callable[[], None] | None = None,
+) -> None:
+    """Open the clinic to browsers until the process is interrupted.
+
+    Args:
+        clinic: The clinic, opened with ``serving=True``.
+        host: Address to listen on.
+        port: Port to listen on.
+        ready: Called once pages are served.
+
+    Raises:
+        Refused: The port is in use or the address is not of this machine.
+    """
+    line = listen(host, port)
+    server = ShellServer(create_app(clinic, host), ready)
+    with contextlib.suppress(KeyboardInterrupt):
+        server.run(sockets=[line])
+
+
+class ShellServer(uvicorn.Server):
+    """The web server: says when it is ready.
+
+    Args:
+        app: The application.
+        ready: Called once pages are served.
+    """
+
+    def __init__(self, app: Starlette, ready: Callable[[], None] | None = None) -> None:
+        super().__init__(
+            uvicorn.Config(
+                app,
+                log_level="warning",
+                access_log=False,
+                server_header=False,
+                ws="websockets-sansio",
+                ws_max_size=BUFFER_BYTES,
+                timeout_graceful_shutdown=2,
+            )
+        )
+        self._ready = ready
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to serve."""
+        await super().startup(sockets)
+        if self.started and self._ready is not None:
+            self._ready()
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """A listening socket whose connections have small send buffers (a slow browser must not lag by seconds).
+
+    Args:
+        host: Address to listen on.
+        port: Port, 0 for any that is free.
+
+    Raises:
+        Refused: The port is in use or the address is not of this machine.
+    """
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        line = socket.socket(family, kind, protocol)
+        line.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        line.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER_BYTES)
+        line.bind(address)
+        line.listen(_BACKLOG)
+    except OSError as error:
+        value = "in use" if error.errno == errno.EADDRINUSE else f"not usable ({error.strerror or error})"
+        raise Refused(
+            f"port {port} on {host}", value, "free", "end what uses it, or choose another with --port"
+        ) from error
+    line.setblocking(False)
+    return line
