@@ -107,6 +107,7 @@ class LiveViewport:
         stale = snapshot.state in ("recording", "playing") and time.monotonic() - self._fresh_s > STALE_S
         shown = verdict.Verdict("alarm", "STALE: this picture is old") if stale else verdict_of(snapshot)
         self._panel.say(shown, facts_of(snapshot))
+        self._panel.mark(snapshot.frame)
         if snapshot.state in BUSY:
             t_s, error_mm = self._desk.error_history()
             self._panel.chart.draw(t_s, error_mm)

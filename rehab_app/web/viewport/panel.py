@@ -28,6 +28,7 @@ class Panel:
         self._said: dict[str, str] = {}
         self._card: Any = gui.add_html(verdict.Verdict("calm", "Ready").html())
         self._facts: Any = gui.add_html("")
+        self._mark: Any = gui.add_html("")
         self.chart = ErrorChart(room.server, x_label)
         gui.add_html(verdict.LEGEND)
         self._add_views(room)
@@ -42,6 +43,10 @@ class Panel:
                 self._said[name] = html
                 handle.content = html
 
+    def mark(self, frame: int) -> None:
+        """Leave the number of the drawn frame in the page, where the shell looks for a stale picture."""
+        self._mark.content = f'<span hidden data-frame="{frame}"></span>'
+
     def _add_views(self, room: Room) -> None:
         gui = room.server.gui
         views: Any = gui.add_button_group("View", tuple(VIEWS))
@@ -50,7 +55,7 @@ class Panel:
 
         @views.on_click
         def _look(event: viser.GuiEvent[Any]) -> None:
-            if event.client is not None:
+            if event.client is not None and views.value in VIEWS:
                 look_from(event.client, str(views.value))
 
         @therapist.on_update

@@ -66,14 +66,19 @@ class ReviewViewport:
             self._play(not self._playing)
 
         @self._bar.on_update
-        def _seek(event: viser.GuiEvent[Any]) -> None:
+        def _moved(event: viser.GuiEvent[Any]) -> None:
             if event.client is not None:  # moved by a person, not by the replay itself
-                self._at_s = float(self._bar.value)
-                self._play(False)
+                self._seek(self._bar.value)
 
         @self._speed.on_click
         def _pace(_: viser.GuiEvent[Any]) -> None:
-            self._factor = SPEEDS[str(self._speed.value)]
+            self._factor = SPEEDS.get(str(self._speed.value), self._factor)
+
+    def _seek(self, value: Any) -> None:
+        """Go to a time; a client may send anything, whatever the bar's ends are."""
+        if isinstance(value, int | float) and np.isfinite(value):
+            self._at_s = min(max(float(value), 0.0), self._end_s)
+            self._play(False)
 
     def _play(self, playing: bool) -> None:
         if playing and self._at_s >= self._end_s:
@@ -104,7 +109,7 @@ class ReviewViewport:
 
     def _draw(self) -> None:
         replay, self._turn = self._replay, self._turn + 1
-        row = min(int(np.searchsorted(replay.t_s, self._at_s, side="right")) - 1, replay.t_s.size - 1)
+        row = max(min(int(np.searchsorted(replay.t_s, self._at_s, side="right")) - 1, replay.t_s.size - 1), 0)
         if row == self._drawn_row:
             return
         self._drawn_row = row
