@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robot_iface.kinematics import DIP_PER_PIP, HandGeometry, forward, jacobian
+from rehab_app.therapy.reference import whole_hand
+from robot_iface.kinematics import HandGeometry, forward, jacobian
 from robot_iface.types import FINGERS, JOINTS, LANDMARKS, Float64, Int64, UInt8, joint_index
 from sessions.records import Status
 
@@ -47,6 +48,7 @@ class WornHand:
         self, geometry: HandGeometry, driven_joints: tuple[str, ...], encoder_std_rad: float
     ) -> None:
         self.geometry = geometry
+        self._driven_joints = driven_joints
         self.driven: Int64 = joint_index(driven_joints)
         self.status: UInt8 = np.full(21, Status.ESTIMATED, dtype=np.uint8)
         self.status[self.driven] = Status.MEASURED
@@ -63,11 +65,7 @@ class WornHand:
         Returns:
             Angles in the order of JOINTS, shape (N, 21).
         """
-        joints = np.zeros((len(driven_rad), 21))
-        joints[:, self.driven] = driven_rad
-        coupled = ~np.isin(_PIP + 1, self.driven)
-        joints[:, _PIP[coupled] + 1] = DIP_PER_PIP * joints[:, _PIP[coupled]]
-        return joints
+        return whole_hand(driven_rad, self._driven_joints)
 
     def poses(self, driven_rad: Float64) -> Poses:
         """Whole hands from driven joints, shape (N, J)."""

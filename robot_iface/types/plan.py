@@ -166,11 +166,13 @@ class Certificate:
     """What a rehearsal attests, and for what exactly.
 
     Attributes:
-        digest: SHA-256 over path, prescription, limits, twin, device name and software version.
+        digest: SHA-256 over the parts below and everything else in this certificate.
         accepted: Whether the rehearsal kept within every bound.
         summary: One sentence: the first violation (joint, time, value, bound), or what was found.
         peak_interaction_nm: Largest interaction torque met, by driven joint, shape (J,).
         simulated_s: How long the dry run lasted.
+        parts: ``name:SHA-256`` of path, prescription, limits, twin, device and software version, so that a
+            refusal can name what differs.
     """
 
     digest: str
@@ -178,6 +180,7 @@ class Certificate:
     summary: str
     peak_interaction_nm: tuple[float, ...]
     simulated_s: float
+    parts: tuple[str, ...] = field(default=())
 
 
 @dataclass(frozen=True, slots=True)
