@@ -53,7 +53,7 @@ class LiveDesk:
         shown, source = self._board.snapshot, self._stop_source
         if not source:
             return shown
-        message = "Stopped. Look at the patient, then clear the stop."
+        message = f"Stopped by {source}. Look at the patient, then clear the stop."
         return replace(shown, state="stopped", message=message, stop_source=source)
 
     def camera_jpeg(self) -> bytes | None:
@@ -144,7 +144,7 @@ class LiveDesk:
                 repetitions=repetitions,
                 speed=prepared.plan.prescription.speed,
             )
-            self._start(TherapyJob(self._board, self._therapy, prepared, account))
+            self._start(TherapyJob(self._board, self._therapy, prepared, account, self._latch))
 
     def pause(self, account: Account) -> None:
         """Hold the path."""
@@ -216,6 +216,13 @@ class LiveDesk:
             job.stop()
         if thread is not None:
             thread.join()
+
+    def _latch(self, cause: str) -> None:
+        """The supervisor stopped by itself; a stop that a person pressed keeps its name."""
+        before = self._stop_source
+        if not before or cause.startswith(before):
+            self._stop_source = cause
+            self._audit.note_later(cause, "stop")
 
     def _check_free(self) -> None:
         if self._stop_source:

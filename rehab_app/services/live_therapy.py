@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
+from collections.abc import Callable
 
 import numpy as np
 
@@ -17,14 +18,32 @@ from robot_iface.link import LiveSample, MotionClient
 from robot_iface.types import SafetyState
 
 _HELD = (SafetyState.HOLD, SafetyState.COMPLIANT)
+_STOPPED = (SafetyState.CAT1, SafetyState.CAT0)
+_SUPERVISOR = "the safety supervisor"
 BEAT_S = 1.0 / 30.0
 OPERATOR_SILENCE_S = 1.0
 
 
 class TherapyJob:
-    """One session on its own thread, with a second one that beats and draws."""
+    """One session on its own thread; a second one beats and does nothing else, a third one draws.
 
-    def __init__(self, board: Board, therapy: Therapy, prepared: PreparedPlan, actor: Account) -> None:
+    Args:
+        board: Where the picture is shown.
+        therapy: What rehearses and plays.
+        prepared: What is played.
+        actor: Who plays it.
+        latch: Called with the cause when the supervisor stopped by itself: that too needs a person who looks.
+    """
+
+    def __init__(
+        self,
+        board: Board,
+        therapy: Therapy,
+        prepared: PreparedPlan,
+        actor: Account,
+        latch: Callable[[str], None],
+    ) -> None:
+        self._latch = latch
         self._board = board
         self._therapy = therapy
         self._prepared = prepared
@@ -103,21 +122,34 @@ class TherapyJob:
             return
         self._board.update(state="playing", message="Playing.")
         self.hear_operator()
-        watch = threading.Thread(target=self._watch, args=(client,), name="live-watch", daemon=True)
-        watch.start()
+        helpers = [
+            threading.Thread(target=work, args=(client,), name=f"live-{name}", daemon=True)
+            for name, work in (("beat", self._beat), ("watch", self._watch))
+        ]
+        for helper in helpers:
+            helper.start()
         try:
             result = self._therapy.play(self._prepared, certificate, actor=self._actor, client=client)
         finally:
             self._done.set()
-            watch.join()
+            for helper in helpers:
+                helper.join()
+        if result.stops and not self._stopped:
+            self._latch(f"{_SUPERVISOR}: {result.stops[-1].cause.replace('-', ' ')}")
         words = "The session is recorded." if result.completed else "The session ended early and is recorded."
         self._board.update(state="done", message=words, session_id=result.session, paused=False)
 
-    def _watch(self, client: MotionClient) -> None:
-        """Beat and draw, 30 times a second, until the run ends."""
+    def _beat(self, client: MotionClient) -> None:
+        """Give the sign of life, 30 times a second; no drawing may ever delay it into a stop."""
         while not self._done.wait(BEAT_S):
             client.beat()
+
+    def _watch(self, client: MotionClient) -> None:
+        """Draw, 30 times a second, until the run ends."""
+        while not self._done.wait(BEAT_S):
             sample = client.live()
+            if sample.safety_state in _STOPPED and not self._stopped:
+                self._latch(_SUPERVISOR)
             self._say_held(sample)
             self._draw(sample)
 

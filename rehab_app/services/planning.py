@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 from rehab_app.errors import Refused
@@ -24,7 +23,6 @@ from robot_iface.types import (
 from sessions.catalogue import Patient
 
 _SPASTIC = ("mas1+", "mas2", "mas3")
-_SLOWEST = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,12 +79,12 @@ def prepare(
         driven_joints=device.joint_names,
         limits=limits,
         take_digest=row.sha256,
+        speed=asked.speed,
     )
-    prescription = replace(asked, speed=_allowed_speed(built, asked.speed))
     plan = Plan(
         device=order.device,
         path=built.path,
-        prescription=prescription,
+        prescription=asked,
         limits=limits,
         twin=twin,
         seed=order.seed,
@@ -96,7 +94,7 @@ def prepare(
     return PreparedPlan(
         plan=plan,
         budget_m=built.residual_m,
-        notes=_notes(row, geometry, built, asked.speed, prescription.speed),
+        notes=_notes(row, geometry, built),
         geometry=geometry,
         patient_id="" if patient is None else patient.id,
         take_id=row.id,
@@ -131,33 +129,8 @@ def _kind(name: str) -> VirtualKind:
     raise Refused("virtual patient", repr(name), "one of " + ", ".join(VIRTUAL_KINDS), "choose one of them")
 
 
-def _allowed_speed(built: BuiltReference, asked: float) -> float:
-    """The asked speed, or the fastest that keeps the limits, in whole percent: slower is always safe.
-
-    Raises:
-        Refused: Even the slowest speed breaks a limit.
-    """
-    if asked <= built.fastest_speed:
-        return asked
-    fastest = math.floor(100.0 * built.fastest_speed) / 100.0
-    if fastest < _SLOWEST:
-        raise Refused(
-            "take",
-            f"playable at {100 * built.fastest_speed:.1f} % of its speed at most ({built.fastest_reason})",
-            f"playable at {100 * _SLOWEST:.0f} % or more",
-            "record the movement more slowly",
-        )
-    return fastest
-
-
-def _notes(
-    row: TakeRow, geometry: HandGeometry, built: BuiltReference, asked: float, allowed: float
-) -> tuple[str, ...]:
-    """What the therapist should know: mirrored, slowed, and what became of the take."""
-    notes = list(built.notes)
-    if allowed < asked:
-        slowed = f"Slowed from {100 * asked:.0f} to {100 * allowed:.0f} % of the therapist's speed"
-        notes.insert(0, f"{slowed}: {built.fastest_reason}.")
-    if geometry.side != row.side:
-        notes.insert(0, f"The take of a {row.side} hand is mirrored for a {geometry.side} hand.")
-    return tuple(notes)
+def _notes(row: TakeRow, geometry: HandGeometry, built: BuiltReference) -> tuple[str, ...]:
+    """What the therapist should know: mirrored, and what became of the take."""
+    if geometry.side == row.side:
+        return built.notes
+    return (f"The take of a {row.side} hand is mirrored for a {geometry.side} hand.", *built.notes)

@@ -9,6 +9,8 @@ import numpy as np
 from rehab_app.hand.subject import on_side
 from rehab_app.recording.take import SHORTEST_S, HandMotion, too_short
 from rehab_app.therapy.reference_notes import clip_notes, gap_notes, trim_notes
+from rehab_app.therapy.reference_retiming import Retimed, retime
+from rehab_app.therapy.reference_speed import fastest
 from rehab_app.therapy.smoothing import smooth, within
 from robot_iface.kinematics import DIP_PER_PIP, HandGeometry, forward
 from robot_iface.motion import QuinticPath
@@ -25,7 +27,6 @@ STILL_RAD_S = float(np.deg2rad(4.0))
 _GRID_S = 0.02
 _LEAD_S = 0.4  # kept of a still beginning and end; added where the take begins or ends in motion
 _STD_FLOOR_RAD = float(np.deg2rad(0.5))
-_SPEED_MARGIN = 0.98
 _TIPS = [3, 7, 11, 15, 19]
 
 
@@ -37,10 +38,12 @@ class BuiltReference:
         path: Path of the driven joints for this patient's side.
         residual_m: Retargeting budget by digit: rms distance between this patient's fingertip as the robot
             can move it and as all of the therapist's joint angles would place it.
-        fastest_speed: Largest path speed, at most 1, at which every joint keeps its directed speed limits.
+        fastest_speed: Largest path speed, at most 1, at which every joint keeps its directed speed limits;
+            not below the speed for which the path was timed.
         fastest_reason: What sets it: joint, speed, time and bound; empty when the whole speed is allowed.
-        notes: What was trimmed, bridged, clipped or never seen, each one sentence.
+        notes: What was slowed, trimmed, bridged, clipped or never seen, each one sentence.
         take_start_s: Time in the take at which the path begins; negative if a lead was added.
+        take_t_s: Time in the take of each knot of the path, strictly increasing, shape (N,).
     """
 
     path: ReferencePath
@@ -49,6 +52,7 @@ class BuiltReference:
     fastest_reason: str
     notes: tuple[str, ...]
     take_start_s: float
+    take_t_s: Float64
 
 
 def build_reference(
@@ -59,6 +63,7 @@ def build_reference(
     driven_joints: tuple[str, ...],
     limits: Limits,
     take_digest: str,
+    speed: float | None = None,
     jerk_rad_s3: float = JERK_RAD_S3,
     trim_still: bool = True,
 ) -> BuiltReference:
@@ -75,11 +80,14 @@ def build_reference(
         driven_joints: The J joints of the device.
         limits: Bounds of those joints, in their order.
         take_digest: SHA-256 of the take.
+        speed: Path speed at which it will be played, more than 0, at most 1: where that is too fast for a
+            limit, and only there, the path is slowed. None keeps the therapist's timing, whatever the limits.
         jerk_rad_s3: Smoothness, 5 to 500.
         trim_still: Leave out all but 0.4 s of a still beginning and end.
 
     Raises:
-        Refused: The take is shorter than a second or shows none of the driven joints.
+        Refused: The take is shorter than a second, shows none of the driven joints, or moves one at more than
+            20 times its speed limit.
     """
     if not 5.0 <= jerk_rad_s3 <= 500.0:
         raise Refused(
@@ -90,14 +98,24 @@ def build_reference(
     grid_s, wish = _wish(motion, span_s, jerk_rad_s3)
     bounded = _bounded(wish[:, driven], limits)
     path = ReferencePath(driven_joints, grid_s - grid_s[0], bounded, take_digest, patient_side)
-    fastest, reason = _fastest(path, limits)
+    timed = Retimed(path, path.t_s, "") if speed is None else retime(path, limits, speed, span_s[0])
+    fastest_speed, reason = fastest(QuinticPath(timed.path), limits)
     notes = (
+        *((timed.note,) if timed.note else ()),
         *trim_notes(motion, span_s),
         *gap_notes(motion, driven),
         *clip_notes(driven_joints, wish[:, driven], limits),
     )
     residual_m = _residual(wish, bounded, driven_joints, on_side(patient_geometry, patient_side))
-    return BuiltReference(path, residual_m, fastest, reason, notes, span_s[0])
+    return BuiltReference(
+        path=timed.path,
+        residual_m=residual_m,
+        fastest_speed=fastest_speed,
+        fastest_reason=reason,
+        notes=notes,
+        take_start_s=span_s[0],
+        take_t_s=span_s[0] + timed.from_s,
+    )
 
 
 def whole_hand(driven_rad: Float64, driven_joints: tuple[str, ...]) -> Float64:
@@ -161,26 +179,6 @@ def _bounded(wish_rad: Float64, limits: Limits) -> Float64:
         for column, low, high in zip(wish_rad.T, limits.q_min_rad, limits.q_max_rad, strict=True)
     ]
     return np.stack(columns, axis=1)
-
-
-def _fastest(path: ReferencePath, limits: Limits) -> tuple[float, str]:
-    """Largest path speed at which the spline keeps the directed speed limits, and what sets it."""
-    spline = QuinticPath(path)
-    s = np.arange(0.0, spline.duration_s, 0.25 * _GRID_S)
-    speed = spline.sample(s, 1)
-    ratio = np.maximum(speed / limits.flexion_speed_rad_s, -speed / limits.extension_speed_rad_s)
-    row, joint = divmod(int(np.argmax(ratio)), ratio.shape[1])
-    worst = float(ratio[row, joint])
-    if worst <= 1.0:
-        return 1.0, ""
-    met = float(speed[row, joint])
-    bounds = limits.flexion_speed_rad_s if met > 0 else limits.extension_speed_rad_s
-    way = "flexion" if met > 0 else "extension"
-    reason = (
-        f"{path.joint_names[joint]} moves at {abs(np.rad2deg(met)):.0f} deg/s into {way} at {s[row]:.2f} s "
-        f"of full speed, {np.rad2deg(bounds[joint]):.0f} deg/s are allowed"
-    )
-    return min(1.0, _SPEED_MARGIN / worst), reason
 
 
 def _residual(

@@ -38,7 +38,7 @@ def serve(
         Refused: The port is in use or the address is not of this machine.
     """
     line = listen(host, port)
-    # A page that is rendered, or a hand that is drawn, hands the interpreter to the stop and the heartbeat sooner.
+    # Whatever is rendered or drawn hands the interpreter over sooner to the stop and the heartbeat.
     sys.setswitchinterval(_SWITCH_S)
     server = ShellServer(create_app(clinic, host), ready)
     with contextlib.suppress(KeyboardInterrupt):
@@ -87,10 +87,14 @@ def listen(host: str, port: int) -> socket.socket:
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         line = socket.socket(family, kind, protocol)
-        line.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        line.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER_BYTES)
-        line.bind(address)
-        line.listen(_BACKLOG)
+        try:
+            line.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            line.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER_BYTES)
+            line.bind(address)
+            line.listen(_BACKLOG)
+        except OSError:
+            line.close()
+            raise
     except OSError as error:
         value = "in use" if error.errno == errno.EADDRINUSE else f"not usable ({error.strerror or error})"
         raise Refused(

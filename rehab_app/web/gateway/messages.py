@@ -41,7 +41,7 @@ def let_through(raw: bytes, controls: bool) -> bytes | None:
         return None
     try:
         said: Any = msgspec.msgpack.decode(raw)
-    except (msgspec.DecodeError, RecursionError):
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
         return None
     if not isinstance(said, dict):
         return None

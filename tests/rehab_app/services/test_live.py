@@ -11,6 +11,7 @@ import pytest
 from rehab_app.access import CONSOLE, Account
 from rehab_app.bootstrap import open_clinic
 from rehab_app.errors import REFUSALS, Refused
+from robot_iface.link import MotionClient
 from sessions.records.topics import EVENTS
 from sessions.store import SessionReader, verify
 
@@ -189,3 +190,19 @@ def test_a_recording_can_be_called_off_in_its_countdown(clinic):
     assert clinic.takes.list() == before
     with pytest.raises(Refused, match="may not record"):
         clinic.live.start_recording(AUDITOR, "open_close", "right", 5.0)
+
+
+def test_a_stop_of_the_supervisor_latches_like_a_pressed_one_and_names_its_cause(clinic, take, monkeypatch):
+    desk = clinic.live
+    beat = MotionClient.beat
+    silent = threading.Event()
+    monkeypatch.setattr(MotionClient, "beat", lambda client: None if silent.is_set() else beat(client))
+    desk.start_therapy(CONSOLE, None, take, speed=0.5, repetitions=20)
+    until(desk, moving)
+    silent.set()  # the app is as good as dead
+    stopped = until(desk, lambda one: "heartbeat" in one.stop_source)
+    assert stopped.stop_source == "the safety supervisor: heartbeat lost"
+    assert "heartbeat lost" in stopped.message
+    until(desk, lambda _one: clinic.sessions.list())
+    with pytest.raises(Refused, match="cleared"):
+        desk.start_therapy(CONSOLE, None, take)

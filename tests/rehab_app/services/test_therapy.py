@@ -87,10 +87,11 @@ def test_another_side_is_mirrored_and_said(approved, take):
     assert not any("mirrored" in note for note in same.notes)
 
 
-def test_a_speed_beyond_the_limits_is_lowered_and_said(approved, take):
+def test_a_movement_beyond_the_limits_is_slowed_where_it_is_and_said(approved, take):
     prepared = approved.therapy.plan(take, actor=CONSOLE, speed=1.0, repetitions=1)
-    assert 0.5 < prepared.plan.prescription.speed < 1.0
-    assert any("Slowed from 100" in note and "deg/s" in note for note in prepared.notes)
+    assert prepared.plan.prescription.speed == 1.0
+    assert check_path(QuinticPath(prepared.plan.path), prepared.plan.limits, 1.0, 0.001) is None
+    assert any("Slowed locally" in note and "deg/s" in note for note in prepared.notes)
 
 
 def test_every_digit_has_a_budget(approved, take):

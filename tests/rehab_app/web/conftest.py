@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
+
+import httpx
 import pytest
-from starlette.testclient import TestClient
 
 from rehab_app.access import CONSOLE, ROLES
 from rehab_app.bootstrap import open_clinic
@@ -36,7 +38,8 @@ def clinic(tmp_path_factory):
         opened.patients.add(
             CONSOLE, given_name=ATTACK, family_name="O'Hara & Sons", birth_date="1957-03-14", side="left"
         )
-        opened.takes.record_virtual("open_close", "right", 1.5, 3, CONSOLE)
+        for seed in (3, 4):
+            opened.takes.record_virtual("open_close", "right", 1.5, seed, CONSOLE)
         yield opened
 
 
@@ -58,41 +61,61 @@ def take(clinic):
 
 
 @pytest.fixture
+def unseen_take(clinic):
+    """A take that one test approves and no other touches."""
+    return clinic.takes.list()[1].id
+
+
+@pytest.fixture
 def patient(clinic):
     return clinic.patients.list()[0].id
 
 
 class Browser:
-    """Somebody's browser at the clinic.
+    """Somebody's browser at the clinic: each request runs through the whole application.
 
     ``post`` sends what the pages' forms send: the Origin and the form token of the sign-in.
     """
 
-    def __init__(self, app, role=None):
-        self.http = TestClient(app, base_url=ORIGIN, follow_redirects=False, client=("192.0.2.7", 50000))
+    def __init__(self, app, role=None, address="192.0.2.7"):
+        self.app = app
+        self.address = address
+        self.cookies = httpx.Cookies()
         self.token = ""
         if role is not None:
             seal = app.state.site.seal
             cookie = seal.issue(role)
-            self.http.cookies.set(COOKIE, cookie)
+            self.cookies.set(COOKIE, cookie)
             self.token = seal.form_token(seal.read(cookie))
 
+    def send(self, method, path, **content):
+        async def answered():
+            transport = httpx.ASGITransport(self.app, client=(self.address, 50000))
+            async with httpx.AsyncClient(
+                transport=transport, base_url=ORIGIN, cookies=self.cookies
+            ) as client:
+                answer = await client.request(method, path, **content)
+                self.cookies = client.cookies
+                return answer
+
+        return asyncio.run(answered())
+
     def get(self, path, **headers):
-        return self.http.get(path, headers=headers)
+        return self.send("GET", path, headers=headers)
 
     def post(self, path, origin=ORIGIN, **fields):
         headers = {"origin": origin} if origin else {}
-        return self.http.post(path, data={"form_token": self.token, **fields}, headers=headers)
+        return self.send("POST", path, data={"form_token": self.token, **fields}, headers=headers)
 
     def ask(self, path, **fields):
         """As the page's script does: JSON back."""
         headers = {"origin": ORIGIN, "accept": "application/json", "x-form-token": self.token}
-        return self.http.post(path, data=fields, headers=headers)
+        return self.send("POST", path, data=fields, headers=headers)
 
 
 @pytest.fixture
 def browser(app):
-    def opened(role=None):
-        return Browser(app, role)
+    def opened(role=None, **where):
+        return Browser(where.pop("app", app), role, **where)
 
     return opened

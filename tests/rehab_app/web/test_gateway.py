@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import http.client
 import threading
+from pathlib import Path
 
 import msgspec
 import pytest
@@ -14,7 +15,6 @@ from websockets.sync.client import connect
 
 from rehab_app.web import create_app
 from rehab_app.web.server import ShellServer, listen
-from rehab_app.web.signing import Ticket
 from rehab_app.web.visit import COOKIE
 
 from .test_messages import CAMERA
@@ -87,6 +87,11 @@ def get(served, path, role="therapist"):
     body = answer.read()
     line.close()
     return answer, body
+
+
+def exhaust(browser):
+    while True:
+        browser.recv(timeout=5)
 
 
 def say(browser, **message):
@@ -192,9 +197,7 @@ def test_a_picture_ends_with_the_sign_in(look, served, monkeypatch):
     with look("assistant") as browser:
         monkeypatch.setattr(seal, "read", lambda _: None)
         with pytest.raises(ConnectionClosed):
-            for _ in range(10_000):
-                browser.recv(timeout=5)
-    assert isinstance(Ticket("a", "b"), Ticket)
+            exhaust(browser)
 
 
 def test_the_real_viewports_listen_on_loopback_only(clinic):
@@ -209,7 +212,7 @@ def test_the_real_viewports_listen_on_loopback_only(clinic):
             assert line.getresponse().status == 200
         addresses = {
             row.split()[1].split(":")[0]
-            for row in open("/proc/net/tcp")
+            for row in Path("/proc/net/tcp").read_text().splitlines()
             if row.split()[3] == "0A" and int(row.split()[1].split(":")[1], 16) == port
         }
         assert addresses == {"0100007F"}

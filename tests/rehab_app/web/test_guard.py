@@ -60,9 +60,11 @@ def test_large_bodies_are_refused(browser):
 
 
 def test_bodies_of_unknown_length_are_refused(browser):
-    visitor = browser("therapist")
-    answer = visitor.http.post(
-        "/patients", content=iter([b"given_name=a"]), headers={"origin": "http://localhost"}
+    async def parts():
+        yield b"given_name=a"
+
+    answer = browser("therapist").send(
+        "POST", "/patients", content=parts(), headers={"origin": "http://localhost"}
     )
     assert answer.status_code == 413
 

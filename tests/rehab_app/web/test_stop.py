@@ -46,8 +46,8 @@ def test_it_needs_neither_form_token_nor_data_base(browser, clinic, app, monkeyp
 
 def test_an_expired_sign_in_still_stops(browser, clinic):
     visitor = browser("therapist")
-    visitor.http.cookies.clear()
-    visitor.http.cookies.set("rehab_sign_in", "expired")
+    visitor.cookies.clear()
+    visitor.cookies.set("rehab_sign_in", "expired")
     assert visitor.ask("/stop").status_code == 200
     assert stopped(clinic)
 
@@ -64,11 +64,11 @@ def test_every_page_shows_the_button_and_the_latched_stop(browser, path):
     before = browser("therapist").get(path).text
     assert before.count('id="stop-button"') == 1
     assert "hardware stop" in before
-    assert 'role="alert" hidden' in before
+    assert '<section id="latched" role="alert" hidden>' in before
     browser().ask("/stop")
     after = browser("therapist").get(path).text
     assert "STOPPED. Nothing moves" in after
-    assert 'role="alert" hidden' not in after
+    assert '<section id="latched" role="alert" >' in after
     assert "I have looked at the patient" in after
 
 
