@@ -14,7 +14,7 @@ demo: $(STAMP)
 	@$(BIN)/rehab-app demo --serve
 
 test: $(DEV_STAMP) tools check
-	$(PYTEST) -n $(WORKERS) --dist loadgroup -m "not bench" tests
+	$(PYTEST) -n $(WORKERS) --dist loadfile -m "not bench" tests
 
 check: $(DEV_STAMP)
 	$(BIN)/ruff check .

@@ -22,7 +22,7 @@ from rehab_app.therapy.run import PlayResult
 EXERCISE = "open_close"
 SPEED = 0.5
 TAKE_S = 8.0
-SHORTEST_S = 10.0
+SHORTEST_S = 1.0
 LONGEST_S = 3600.0
 _OVERHEAD_S = 4.0  # approach, ramp, hold, return and rest around one movement
 
@@ -71,7 +71,7 @@ def check_seconds(seconds: float) -> None:
     """Refuse a length that the loop cannot have, before a folder is made for it.
 
     Raises:
-        Refused: It is not 10 to 3600 s.
+        Refused: It is not 1 to 3600 s.
     """
     if not SHORTEST_S <= seconds <= LONGEST_S:
         bound = f"{SHORTEST_S:g} to {LONGEST_S:g} s"
@@ -85,7 +85,7 @@ def walk(
 
     Args:
         clinic: Where it all goes.
-        seconds: About how much therapy to simulate, 10 to 3600 s.
+        seconds: About how much therapy to simulate, 1 to 3600 s; each mode makes at least one repetition.
         seed: Seed of everything random.
         patient_id: Patient, None for a bare demonstration.
         say: Told what is going on.

@@ -157,7 +157,7 @@ def test_a_port_in_use_and_a_second_server(data):
 
 
 def test_a_demo_of_no_length(data):
-    assert "10 to 3600 s" in refused(data, "demo", "--headless", "--seconds", "1")["bound"]
+    assert "1 to 3600 s" in refused(data, "demo", "--headless", "--seconds", "0")["bound"]
 
 
 def test_an_altered_take_after_its_approval(data, tmp_path):

@@ -15,6 +15,7 @@ import zstandard
 
 from rehab_app.errors import Refused
 from rehab_app.web.policy import viewport_policy
+from rehab_app.web.viewport import LOOPBACK
 
 _ALPHABET = "".join(chr(code) for code in range(0x21, 0x7F) if chr(code) not in "\"&<>'`")
 _STYLE = '<link rel="stylesheet" href="/static/viewport.css">'
@@ -62,7 +63,7 @@ class ClientPages:
 
 
 def _fetch(port: int) -> bytes:
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=5.0)
+    connection = http.client.HTTPConnection(LOOPBACK, port, timeout=5.0)
     try:
         connection.request("GET", "/")
         return connection.getresponse().read()

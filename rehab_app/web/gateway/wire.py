@@ -17,6 +17,7 @@ from rehab_app.errors import Refused
 from rehab_app.web.gateway.messages import let_through
 from rehab_app.web.gateway.picture import REFUSED_PARAMETERS
 from rehab_app.web.site import Site
+from rehab_app.web.viewport import LOOPBACK
 from rehab_app.web.visit import account_of, ticket_of
 
 # Small buffers: a slow browser's picture is then old by fractions of a second, and the viewport, which keeps
@@ -69,9 +70,9 @@ async def _reach(port: int, protocol: str) -> ClientConnection:
     line = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
     line.setblocking(False)
-    await asyncio.get_running_loop().sock_connect(line, ("127.0.0.1", port))
+    await asyncio.get_running_loop().sock_connect(line, (LOOPBACK, port))
     return await connect(
-        f"ws://127.0.0.1:{port}/",
+        f"ws://{LOOPBACK}:{port}/",
         sock=line,
         subprotocols=[Subprotocol(protocol)],
         compression=None,

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 import viser
 
-from rehab_app.errors import Refused
 from rehab_app.web.viewport.drawn_hand import DrawnHand
 from rehab_app.web.viewport.palette import BRAND, FLOOR, GRID, PATIENT, THERAPIST
+from rehab_app.web.viewport.private_server import PrivateServer
 from rehab_app.web.viewport.trails import Trails
 from robot_iface.kinematics import HandGeometry
 from robot_iface.types import Float64
 
-LOOPBACK = "127.0.0.1"
-_FIRST_PORT = 8700
 _FLOOR_M = -0.085
 # Palm frame in the room: fingers up (z), palm to the first camera (-y), a right hand's thumb to the right.
 _Q_WORLD_PALM_WXYZ = (0.5**0.5, 0.0, 0.0, -(0.5**0.5))
@@ -67,9 +65,7 @@ def furnish(label: str, geometry: HandGeometry) -> Room:
     Raises:
         Refused: No loopback port is free for it.
     """
-    server = viser.ViserServer(host=LOOPBACK, port=_FIRST_PORT, label=label, verbose=False)
-    if not 0 < server.get_port() < 65536:
-        raise Refused("viewport port", str(server.get_port()), "a free loopback port", "free some ports")
+    server = PrivateServer(label)
     server.gui.configure_theme(show_logo=False, show_share_button=False, brand_color=BRAND)
     server.scene.set_up_direction("+z")
     server.scene.set_background_image(np.full((2, 2, 3), FLOOR, dtype=np.uint8))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import http.client
+import socket
 import threading
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from websockets.sync.client import connect
 
 from rehab_app.web import create_app
 from rehab_app.web.server import ShellServer, listen
+from rehab_app.web.viewport.private_server import LOOPBACK, PrivateServer
 from rehab_app.web.visit import COOKIE
 
 from .test_messages import CAMERA
@@ -38,7 +40,7 @@ class OnePicture:
 
 @pytest.fixture(scope="module")
 def picture():
-    server = viser.ViserServer(host="127.0.0.1", port=8890, verbose=False)
+    server = PrivateServer("Picture")
     yield server
     server.stop()
 
@@ -207,7 +209,7 @@ def test_the_real_viewports_listen_on_loopback_only(clinic):
     with contextlib.closing(screens):
         port = screens.live_port()
         assert screens.live_port() == port
-        with contextlib.closing(http.client.HTTPConnection("127.0.0.1", port, timeout=5)) as line:
+        with contextlib.closing(http.client.HTTPConnection(LOOPBACK, port, timeout=5)) as line:
             line.request("GET", "/")
             assert line.getresponse().status == 200
         addresses = {
@@ -215,4 +217,5 @@ def test_the_real_viewports_listen_on_loopback_only(clinic):
             for row in Path("/proc/net/tcp").read_text().splitlines()
             if row.split()[3] == "0A" and int(row.split()[1].split(":")[1], 16) == port
         }
-        assert addresses == {"0100007F"}
+        assert addresses == {socket.inet_aton(LOOPBACK)[::-1].hex().upper()}
+        assert LOOPBACK.startswith("127.")

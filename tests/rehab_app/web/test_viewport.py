@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 from dataclasses import dataclass, replace
+from ipaddress import ip_address
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,8 +14,9 @@ import pytest
 from rehab_app.errors import Refused
 from rehab_app.services.rows import Replay
 from rehab_app.services.snapshot import LiveSnapshot
-from rehab_app.web.viewport import LiveViewport, ReviewViewports
+from rehab_app.web.viewport import LOOPBACK, LiveViewport, ReviewViewports
 from rehab_app.web.viewport.hand_shape import HandShape
+from rehab_app.web.viewport.private_server import PrivateServer
 from rehab_app.web.viewport.solids import ball, loft, tapered_bone
 from rehab_app.web.viewport.verdict import Verdict, lines, of_error
 from rehab_app.web.viewport.words import facts_of, verdict_of
@@ -116,17 +118,29 @@ def test_every_state_has_its_words(state: Any) -> None:
     assert facts["Support"].startswith("50 %")
 
 
-def test_the_live_server_listens_on_loopback_only() -> None:
+def test_the_live_server_listens_where_no_other_page_looks() -> None:
     clinic: Any = SimpleNamespace(live=Desk(LiveSnapshot(state="playing", patient_joints_rad=np.zeros(21))))
     viewport = LiveViewport(clinic)
     try:
-        with socket.socket() as probe:  # the port is taken on loopback and free on every other address
-            with pytest.raises(OSError, match="in use"):
-                probe.bind(("127.0.0.1", viewport.port))
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.2", viewport.port))
+        assert ip_address(LOOPBACK).is_loopback
+        socket.create_connection((LOOPBACK, viewport.port), timeout=5).close()
+        for elsewhere in ("127.0.0.1", socket.gethostbyname(socket.gethostname())):
+            if elsewhere != LOOPBACK:
+                with pytest.raises(OSError, match=r"refused|unreachable"):
+                    socket.create_connection((elsewhere, viewport.port), timeout=5)
     finally:
         viewport.close()
+
+
+def test_no_client_can_ask_for_a_public_tunnel(monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[Any] = []
+    monkeypatch.setattr("viser._viser.ViserTunnel", lambda *words, **_: opened.append(words))
+    server = PrivateServer("test")
+    try:
+        assert server.request_share_url() is None
+    finally:
+        server.stop()
+    assert opened == []
 
 
 def test_reviews_are_reused_and_the_oldest_is_closed() -> None:

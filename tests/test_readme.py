@@ -1,0 +1,51 @@
+"""The README's commands are run as they stand, in their order, in an empty folder."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+FRAMES = 450
+NOT_RUN = ("rehab-app serve",)  # runs until it is interrupted: the browser test serves a clinic
+
+
+def commands() -> list[list[str]]:
+    lines = (REPOSITORY / "README.md").read_text().splitlines()
+    shown = [line.strip() for line in lines if line.startswith("    rehab-app ")]
+    return [shlex.split(line, comments=True) for line in shown if not line.startswith(NOT_RUN)]
+
+
+def short_recording(shared_data: Path) -> str:
+    """The first seconds of the real recording, so that the test is over sooner."""
+    lines = (shared_data / "mocap_hand_dfki" / "recording.tsv").read_text().splitlines(keepends=True)
+    first = next(number for number, line in enumerate(lines) if line.startswith("Frame\t")) + 1
+    header = [
+        f"NO_OF_FRAMES\t{FRAMES}\n" if line.startswith("NO_OF_FRAMES") else line for line in lines[:first]
+    ]
+    return "".join(header + lines[first : first + FRAMES])
+
+
+def test_every_command_of_the_readme_works(tmp_path: Path, shared_data: Path) -> None:
+    (tmp_path / "recording.tsv").write_text(short_recording(shared_data))
+    environment = os.environ | {"REHAB_DATA": str(tmp_path / "clinic")}
+    found = commands()
+    assert len(found) >= 8
+    for words in found:
+        done = subprocess.run(
+            [sys.executable, "-m", "rehab_app", *words[1:]],
+            cwd=tmp_path,
+            env=environment,
+            input="a long enough password\n",
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
+        assert done.returncode == 0, f"{' '.join(words)}: {done.stderr}"
+        assert "Traceback" not in done.stderr
+    assert list((tmp_path / "report").glob("*.html"))
+    assert (tmp_path / "session.mcap").is_file()
