@@ -11,6 +11,7 @@ import numpy as np
 
 from rehab_app.access import Account
 from rehab_app.services.live_board import Board
+from rehab_app.services.replay import COMPARED_PHASES
 from rehab_app.services.rows import PreparedPlan
 from rehab_app.services.therapy import Therapy, check_accepted
 from rehab_app.therapy.run_poses import WornHand
@@ -168,9 +169,11 @@ class TherapyJob:
         self._last_ns = sample.t_ns
         patient = self._hand.poses(sample.q_rad[None])
         therapist = self._hand.poses(sample.q_reference_rad[None])
-        error_m = np.linalg.norm(patient.fingertips_m[0] - therapist.fingertips_m[0], axis=1)
         t_s = sample.t_ns / 1e9
-        self._board.add_error(t_s, float(np.sqrt(np.mean(error_m**2))))
+        error_m = None
+        if sample.phase in COMPARED_PHASES:
+            error_m = np.linalg.norm(patient.fingertips_m[0] - therapist.fingertips_m[0], axis=1)
+            self._board.add_error(t_s, float(np.sqrt(np.mean(error_m**2))))
         self._board.picture(
             t_s=t_s,
             therapist_joints_rad=therapist.joints_rad[0],

@@ -16,6 +16,8 @@ from sessions.records.topics import HAND_POSE, PATIENT_POSE, PHASE, REFERENCE
 from sessions.store import SessionReader
 
 RATE_HZ = 50.0
+COMPARED_PHASES = ("move", "hold")
+"""Phases in which the patient is compared with the therapist, here as in the report."""
 
 
 def replay_of(path: Path) -> Replay:
@@ -58,13 +60,16 @@ def _session(reader: SessionReader) -> Replay:
     chosen = _thinned(t_ns, reader.path)
     of_patient, of_reference = of_patient[chosen], of_reference[chosen]
     apart = patient["fingertips_palm_m"][of_patient] - reference["fingertips_palm_m"][of_reference]
+    phases = _phases(reader, t_ns[chosen])
+    error_m = np.sqrt(np.mean(np.sum(apart**2, axis=2), axis=1))
+    error_m[~np.isin(phases, COMPARED_PHASES)] = np.nan
     geometry = geometry_from_json(reader.header.subject_hand)
     return Replay(
         t_s=_since(t_ns[chosen], int(t_ns[0])),
         reference_joints_rad=np.asarray(reference["joints_rad"], dtype=np.float64)[of_reference],
         patient_joints_rad=np.asarray(patient["joints_rad"], dtype=np.float64)[of_patient],
-        fingertip_error_m=np.sqrt(np.mean(np.sum(apart**2, axis=2), axis=1)),
-        phases=_phases(reader, t_ns[chosen]),
+        fingertip_error_m=error_m,
+        phases=phases,
         events=_events(reader, int(t_ns[0])),
         geometry=geometry,
         side=reader.header.side,

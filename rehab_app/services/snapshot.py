@@ -41,7 +41,8 @@ class LiveSnapshot:
             therapist's hand is in ``therapist_joints_rad``.
         geometry: Hand of whoever is drawn.
         side: Side of that hand.
-        fingertip_error_m: Distance of each fingertip from the reference, shape (5,), or None.
+        fingertip_error_m: Distance of each fingertip from the reference, shape (5,); None outside the
+            compared movement.
         phase: approach, ramp, cue, move, hold, return, rest, stopped, done, or "".
         repetition: Repetition index from 0, -1 outside one.
         repetitions: How many are prescribed, 0 outside therapy.

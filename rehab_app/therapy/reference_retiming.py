@@ -31,7 +31,8 @@ MOST = 20.0
 _KNOT_S = 0.02
 _REACH_S = 0.15  # of the take's time over which a stretch sets in; longer is gentler but lasts longer
 _USED_SHARE = 0.97  # of a limit in the first attempt: a hair below SPEED_MARGIN, for the new spline
-_ATTEMPTS = 6
+_ATTEMPTS = 8
+_LEAST_STEP = 0.8  # by which the used share falls from one attempt to the next at most
 _NOTED = 1.01  # from this stretch on an instant counts as slowed
 
 
@@ -105,7 +106,7 @@ def _within_limits(
         worst = speed * float(speed_share(again, instants(again.duration_s), limits).max())
         if worst <= SPEED_MARGIN:
             return slow, retimed, from_s
-        used *= 0.99 * SPEED_MARGIN / worst
+        used *= max(0.99 * SPEED_MARGIN / worst, _LEAST_STEP)
     raise _too_fast("take", f"beyond its speed limits after {_ATTEMPTS} attempts to slow it")
 
 

@@ -7,48 +7,84 @@ from typing import Any
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from robot_iface.types import Float64
+from robot_iface.types import Float64, Limits
 
 LEARNING_RATE = 0.8
 CUTOFF_HZ = 5.0
 DISCARD_LOAD_SHARE = 0.8
 BOUND_SHARE = 0.5
 """The feed-forward is at most this share of the interaction limit."""
+FADE_S = 0.4
+"""Assistive: it rises from zero over this stretch of the path and falls to zero before its end (over a
+quarter of a short path)."""
+NEAR_LIMIT_RAD = float(np.deg2rad(3.0))
+"""Within this distance of the end of its range a joint is pushed there less and less, and at the end not at
+all."""
 _STEP_S = 0.01
+_MOVES_SHARE = 0.1
 
 
 class FeedForward:
-    """u_{i+1}(s) = f u_i(s) + 0.8 K LP(e_i(s)), |u| <= half the interaction limit.
+    """u_{i+1}(s) = f u_i(s) + 0.8 K LP_5Hz(e_i(s)), |u| <= half the interaction limit.
 
     Indexed on the path coordinate, so that a pause or another speed does not shift it. The 5 Hz low-pass
     runs forwards and backwards between repetitions, hence without lag. Everything learnt is thrown away
     after a reversal, pain, or a load above 80 % of the limit: what pushes that hard shall not be pushed
-    harder.
+    harder. The caller slews what ``torque`` gives.
 
     Args:
         duration_s: Length of the path.
-        tau_interaction_nm: Interaction limits, (J,).
+        limits: Interaction limits and today's range.
         forgetting: f: 1 passive, 0.7-0.9 assistive (below 1, or the robot takes over from a slacking
             patient).
+        headings_rad: Assistive: where the path goes, at equal steps over its length, (M, J). A joint that is
+            ahead on its way then teaches nothing: running ahead is success, not a fault. Learnt from are
+            joints that lag, and joints that the path leaves where they are. The torque is zero at both ends
+            of the path, so that the start is the patient's own. None (passive): every error, everywhere.
     """
 
-    def __init__(self, duration_s: float, tau_interaction_nm: Float64, forgetting: float) -> None:
+    def __init__(
+        self,
+        duration_s: float,
+        limits: Limits,
+        forgetting: float,
+        headings_rad: Float64 | None = None,
+    ) -> None:
         bins = int(np.ceil(duration_s / _STEP_S)) + 2
-        joints = tau_interaction_nm.size
-        self._bound_nm: Float64 = BOUND_SHARE * tau_interaction_nm
+        joints = limits.tau_interaction_nm.size
+        self._bound_nm: Float64 = BOUND_SHARE * limits.tau_interaction_nm
+        self._low_rad, self._high_rad = limits.q_min_rad, limits.q_max_rad
         self._forgetting = forgetting
         self._last = bins - 2
+        places_s: Float64 = np.arange(bins) * _STEP_S
+        self._headings: Float64 | None = None
+        self._fade: Float64 = np.ones((bins, 1))
+        if headings_rad is not None:
+            self._headings = _at_bins(headings_rad, places_s / duration_s)
+            self._fade = _fade(places_s, duration_s)[:, None]
         self._learnt_nm: Float64 = np.zeros((bins, joints))
         self._errors_rad: Float64 = np.zeros((bins, joints))
         self._counts: list[int] = [0] * bins
         self._peak_load = 0.0
 
-    def torque(self, path_s: float) -> Float64:
-        """Feed-forward torque at a path coordinate, (J,) Nm, linear between bins."""
+    def torque(self, path_s: float, q_rad: Float64) -> Float64:
+        """Feed-forward torque at a path coordinate, (J,) Nm, linear between bins.
+
+        Args:
+            path_s: Path coordinate.
+            q_rad: Measured angles, (J,): what pushes a joint towards an end of its range that it is near is
+                reduced.
+        """
         place = path_s / _STEP_S
         low = min(int(place), self._last)
         part = min(place - low, 1.0)
-        return self._learnt_nm[low] * (1.0 - part) + self._learnt_nm[low + 1] * part
+        tau = self._learnt_nm[low] * (1.0 - part) + self._learnt_nm[low + 1] * part
+        room = np.where(tau > 0.0, self._high_rad - q_rad, q_rad - self._low_rad)
+        return tau * np.minimum(np.maximum(room / NEAR_LIMIT_RAD, 0.0), 1.0)
+
+    def forget(self) -> None:
+        """Throw away at once what was learnt, as after pain; the repetition goes on without it."""
+        self._learnt_nm[:] = 0.0
 
     def observe(self, path_s: float, error_rad: Float64, load_share: float) -> None:
         """Note the tracking error q_d - q, (J,), and the load (``Outcome.load_share``) of one moving tick."""
@@ -71,11 +107,14 @@ class FeedForward:
         """
         keep = not discard and self._peak_load <= DISCARD_LOAD_SHARE
         if not keep:
-            self._learnt_nm[:] = 0.0
+            self.forget()
         elif any(self._counts):
-            error = _low_pass(self._mean_error(), path_speed / _STEP_S)
+            error = self._mean_error()
+            if self._headings is not None:
+                error = _without_ahead(error, self._headings)
+            error = _low_pass(error, path_speed / _STEP_S)
             updated = self._forgetting * self._learnt_nm + LEARNING_RATE * stiffness_nm_rad * error
-            self._learnt_nm = np.clip(updated, -self._bound_nm, self._bound_nm)
+            self._learnt_nm = self._fade * np.clip(updated, -self._bound_nm, self._bound_nm)
         self._errors_rad[:] = 0.0
         self._counts = [0] * len(self._counts)
         self._peak_load = 0.0
@@ -88,6 +127,32 @@ class FeedForward:
         mean = self._errors_rad[seen] / counts[seen, None]
         places = np.arange(counts.size, dtype=np.float64)
         return np.stack([np.interp(places, seen, mean[:, joint]) for joint in range(mean.shape[1])], axis=1)
+
+
+def _fade(places_s: Float64, duration_s: float) -> Float64:
+    """Share allowed at path coordinates, (M,): 0 at both ends of the path, 1 between, smooth."""
+    from_end_s: Float64 = np.minimum(places_s, duration_s - places_s)
+    u: Float64 = np.clip(from_end_s / min(FADE_S, 0.25 * duration_s), 0.0, 1.0)
+    return u * u * (3.0 - 2.0 * u)
+
+
+def _at_bins(headings_rad: Float64, shares: Float64) -> Float64:
+    """Headings at shares of the path, (M,) -> (M, J); where the path has come to rest, the last one holds."""
+    rows = np.arange(len(headings_rad))
+    last = np.maximum.accumulate(np.where(np.any(headings_rad != 0.0, axis=1), rows, 0))
+    places = np.minimum(np.rint(shares * (len(headings_rad) - 1)).astype(np.int64), len(headings_rad) - 1)
+    return headings_rad[last[places]]
+
+
+def _without_ahead(error_rad: Float64, headings: Float64) -> Float64:
+    """Errors q_d - q, (M, J), without those of joints that are ahead where the path, (M, J), takes them.
+
+    A joint that moves by less than a tenth of the one that moves most is across the path, in proportion.
+    """
+    most = np.abs(headings).max(axis=1, keepdims=True)
+    moves = np.minimum(np.abs(headings) / (_MOVES_SHARE * most + 1e-12), 1.0)
+    ahead = error_rad * headings < 0.0
+    return error_rad * (1.0 - moves * ahead)
 
 
 def _low_pass(error_rad: Float64, rate_hz: float) -> Float64:

@@ -10,7 +10,7 @@ from robot_iface.runtime.orders import Order, Pain, Pause, Reset, Resume, SetSpe
 from robot_iface.runtime.record import Recorder
 from robot_iface.runtime.rig import Rig, ScheduledStop, Surroundings
 from robot_iface.runtime.seal import check_certificate
-from robot_iface.safety import Outcome, Supervisor, Watch
+from robot_iface.safety import Outcome, Supervisor, Watch, brake_and_close
 from robot_iface.types import (
     Certificate,
     DeviceCommand,
@@ -28,8 +28,6 @@ LIVE_EVERY_TICKS = 10
 PHASE_EVERY_TICKS = 100
 UNATTENDED_HOLD_S = 60.0
 """A hold or pause that nobody ends is braked and powered off after this time."""
-LONGEST_BRAKING_S = 5.0
-"""After this time the power is cut although the hand is not still: a tremor never is."""
 _RUNNING = (SafetyState.RAMP_IN, SafetyState.ACTIVE)
 _HELD = (SafetyState.HOLD, SafetyState.COMPLIANT, SafetyState.READY)
 _STOPPED = (SafetyState.CAT1, SafetyState.CAT0)
@@ -84,7 +82,9 @@ class Cycle:
         self._plan, self._clock, self._around = plan, rig.clock, around
         self._period_s = period_ns * 1e-9
         stop = ScheduledStop(around.stop, rig.clock, plan.stop_at_s)
-        self._supervisor = Supervisor(rig.robot, plan.limits, stop, period_ns)
+        self._supervisor = Supervisor(
+            rig.robot, plan.limits, stop, period_ns, ramp_s=plan.prescription.ramp_s
+        )
         self._exercise = Exercise(plan, rig.patient, self._period_s)
         self._law = ImpedanceLaw(thesis_gains(plan.path.joint_names), plan.limits)
         self._recorder = Recorder(around.sink, len(plan.path.joint_names))
@@ -93,7 +93,6 @@ class Cycle:
         self._load_share = 0.0
         self._pain = False
         self._waiting_ticks = 0
-        self._ending_ticks = 0
         self._state = SafetyState.OFF
         self._goal = self._exercise.resting_goal()
         self._said: tuple[str, int, str] = ("", -2, "")
@@ -127,12 +126,11 @@ class Cycle:
         """Whether the run needs another tick: it ends once exercise or stop have braked the hand."""
         if not (self._exercise.done or outcome.safety_state in _STOPPED):
             return True
-        self._ending_ticks += 1
-        return outcome.powered and self._ending_ticks * self._period_s < LONGEST_BRAKING_S
+        return outcome.powered
 
     def close(self) -> None:
-        """Cut power and disconnect; the loop has braked before, unless it was cut short by an error."""
-        self._supervisor.close()
+        """Disconnect without power; a hand that an error has left with power is braked to rest first."""
+        brake_and_close(self._supervisor, self._next_tick)
 
     def end(self) -> RunEnd:
         """Send and return how the run ended."""
@@ -149,10 +147,14 @@ class Cycle:
         return finished
 
     def _wait_and_read(self) -> DeviceState:
-        self._clock.wait_next_tick()
-        self._t_ns = self._clock.now_ns()
+        self._t_ns = self._next_tick()
         self._ticks += 1
         return self._supervisor.read(self._t_ns)
+
+    def _next_tick(self) -> int:
+        """Wait for the next tick and return its time, ns."""
+        self._clock.wait_next_tick()
+        return self._clock.now_ns()
 
     def _enable(self, state: DeviceState) -> None:
         """The enable edge: from here the hand is led to the path."""

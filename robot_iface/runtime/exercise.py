@@ -17,7 +17,7 @@ from robot_iface.control.assist import free_ahead
 from robot_iface.motion import PathPlayer, PathState, QuinticPath, Setpoint
 from robot_iface.runtime.heading import cued_direction, headings
 from robot_iface.runtime.orders import Patient
-from robot_iface.runtime.spring import Spring
+from robot_iface.runtime.spring import TORQUE_SLEW_NM_S, Spring
 from robot_iface.runtime.transfer import Transfer
 from robot_iface.types import DeviceState, Float64, Plan
 
@@ -72,11 +72,12 @@ class Exercise:
         self._start = Setpoint(self._path.start_rad(), still, still)
         self._end = Setpoint(self._path.end_rad(), still, still)
         forgetting = ordered.assist_forgetting if self._assistive else 1.0
-        self._learnt = FeedForward(self._path.duration_s, plan.limits.tau_interaction_nm, forgetting)
         self._assist = AssistAsNeeded(plan.path.joint_names, ordered.stiffness_multiple, period_s)
         self._trigger = StartTrigger(cued_direction(self._path), period_s, ordered.cue_timeout_s)
         self._cue_table = self._path.sample(np.arange(0.0, self._path.duration_s + _CUE_STEP_S, _CUE_STEP_S))
         self._headings = headings(self._cue_table)
+        way = self._headings if self._assistive else None
+        self._learnt = FeedForward(self._path.duration_s, plan.limits, forgetting, way)
         self._back = Transfer(self._end.q_rad, self._start.q_rad, plan.limits, period_s)
         self._way: Transfer | None = None
         self._begin_gains(still)
@@ -101,9 +102,7 @@ class Exercise:
         self._prescribed = np.full(joints, ordered.stiffness_multiple)
         self._low = np.full(joints, CUE_MULTIPLE)
         self._spring = Spring(self._plan, APPROACH_MULTIPLE, self._period_s)
-        self._no_torque = still
-        self._tau_ff = still
-        self._ahead = still
+        self._no_torque = self._tau_ff = self._ahead = still
         self._ticks = 0
         self._repetition_ticks = 0
         self._slowest = ordered.speed
@@ -170,7 +169,8 @@ class Exercise:
         if self.repetition >= 0 and not self.player.paused:
             self._repetition_ticks += 1
         setpoint = self._steps[self.phase](state, load_share)
-        tau_ff = self._learnt.torque(self.path_state.s) if self.phase in ("move", "hold") else self._no_torque
+        follows, here = self.phase in ("ramp", "move", "hold"), self.path_state.s
+        tau_ff = self._learnt.torque(here, state.q_rad) if follows else self._no_torque
         multiple = self._wanted_multiple(setpoint)
         return self._goal(self._leave_ahead(setpoint, state.q_rad), state.q_rad, multiple, tau_ff)
 
@@ -183,6 +183,7 @@ class Exercise:
     def trouble(self) -> None:
         """Pain, or a latched hold, in this repetition: nothing is learnt from it and help is not raised."""
         self._troubled = True
+        self._learnt.forget()
 
     def _leave_ahead(self, setpoint: Setpoint, q_rad: Float64) -> Setpoint:
         """Assistive: move the set-point to a patient who is ahead on the path, and back gently.
@@ -203,7 +204,7 @@ class Exercise:
     def _goal(self, setpoint: Setpoint, q_rad: Float64, multiple: Float64, tau_ff: Float64) -> Goal:
         if multiple is not self._spring.multiple:
             self._spring.change(multiple, np.abs(setpoint.q_rad - q_rad))
-        rate = _FEED_FORWARD_SLEW_NM_S * self._period_s
+        rate = (_FEED_FORWARD_SLEW_NM_S if self.phase == "move" else TORQUE_SLEW_NM_S) * self._period_s
         self._tau_ff = self._tau_ff + np.minimum(np.maximum(tau_ff - self._tau_ff, -rate), rate)
         return Goal(setpoint, self._spring.multiple, self._tau_ff, self.path_state)
 
@@ -255,7 +256,7 @@ class Exercise:
         setpoint = self._path.evaluate(path.s, path.s_dot, path.s_ddot)
         error = setpoint.q_rad - state.q_rad
         if path.s_dot > 0.0:
-            self._learnt.observe(path.s, error + self._ahead, load_share)
+            self._learnt.observe(path.s, error, load_share)
             if self._assistive:
                 self._assist.observe(setpoint.dq_rad_s, error, state.dq_rad_s, state.tau_interaction_nm)
                 self._patient.progress(path.s)
@@ -272,9 +273,8 @@ class Exercise:
         return self._end
 
     def _learn(self) -> None:
-        self._learnt.learn(
-            self._spring.stiffness_nm_rad, self._plan.prescription.speed, discard=self._troubled
-        )
+        stiffness, speed = self._spring.stiffness_nm_rad, self._plan.prescription.speed
+        self._learnt.learn(stiffness, speed, discard=self._troubled)
         if self._assistive:
             self._assist.finish_repetition(painful=self._troubled)
         self._troubled = False

@@ -68,9 +68,13 @@ class Drive:
         except OSError:
             self.cut_power()
 
+    def note(self, load_share: float) -> None:
+        """Take the load of one tick; what has pushed hard of late keeps a brake on for longer."""
+        self._settling.note(load_share)
+
     def settle(self, state: DeviceState) -> None:
-        """One braked tick: power is cut once everything has been still."""
-        if self._settling.still(state):
+        """One braked tick: power is cut once the hand rests, or has been braked for long enough."""
+        if self._settling.over(state):
             self.cut_power()
 
     def cut_power(self) -> None:

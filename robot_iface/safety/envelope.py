@@ -28,6 +28,7 @@ _CAUSES: tuple[tuple[str, SafetyState], ...] = (
     ("load-hard", SafetyState.COMPLIANT),
 )
 _ALWAYS = 1
+_RANGE = 1
 _LOAD = 7
 
 
@@ -77,6 +78,7 @@ class Envelope:
         """Clamp of requested torque at full ramp, (J,)."""
         self._low_rad = limits.q_min_rad
         self._high_rad = limits.q_max_rad
+        self._margin_rad = limits.margin_rad
         self._middle_rad: Float64 = 0.5 * (limits.q_min_rad + limits.q_max_rad)
         self._bounds: Float64 = np.stack(
             (
@@ -125,7 +127,7 @@ class Envelope:
             rows[7] = state.tau_interaction_nm
             np.abs(rows, out=rows)
             worst: list[float] = (rows * self._inverse).max(axis=1).tolist()
-        return Assessment(tau, applied, worst[_LOAD], self._findings(worst, moving))
+        return Assessment(tau, applied, worst[_LOAD], self._findings(worst, state, moving))
 
     def _inside(self, request: DeviceCommand, tau_nm: Float64) -> Float64:
         """Torque of the request if its positions, and their speeds outwards, were kept in today's range."""
@@ -135,19 +137,25 @@ class Envelope:
         outward = np.where(excess * request.dq_rad_s < 0.0, request.dq_rad_s, 0.0)
         return tau_nm + request.stiffness_nm_rad * excess - request.damping_nms_rad * outward
 
-    def _findings(self, worst: list[float], moving: bool) -> tuple[Finding, ...]:
+    def _findings(self, worst: list[float], state: DeviceState, moving: bool) -> tuple[Finding, ...]:
         """Findings from the largest share of the bound in each row."""
         if not math.isfinite(sum(worst)):
             return (self._not_finite(worst),)
         rows = range(len(_CAUSES) if moving else _ALWAYS)
         return tuple(
-            self._finding(row) for row in rows if worst[row] > (HARD_LOAD_MULTIPLE if row == _LOAD else 1.0)
+            self._finding(row, state)
+            for row in rows
+            if worst[row] > (HARD_LOAD_MULTIPLE if row == _LOAD else 1.0)
         )
 
-    def _finding(self, row: int) -> Finding:
-        """Details of a broken row."""
+    def _finding(self, row: int, reading: DeviceState) -> Finding:
+        """Details of a broken row; of the range, the angle itself and the end that it has passed."""
         cause, state = _CAUSES[row]
         joint = int(np.argmax(self._rows[row] * self._inverse[row]))
+        if row == _RANGE:
+            angle = float(reading.q_rad[joint])
+            low, high = self._low_rad[joint] - self._margin_rad, self._high_rad[joint] + self._margin_rad
+            return Finding(cause, state, self._names[joint], angle, float(low if angle < low else high))
         bound = float(self._bounds[row, joint]) * (HARD_LOAD_MULTIPLE if row == _LOAD else 1.0)
         return Finding(cause, state, self._names[joint], float(self._rows[row, joint]), bound)
 

@@ -33,11 +33,12 @@ class Supervisor:
     acts within the tick in which it is seen. States only get more severe (HOLD < COMPLIANT < CAT1 < CAT0)
     until ``reset``:
 
-    - READY: no requests pass. With power left over, the device brakes until it is still, then loses power.
+    - READY: no requests pass. With power left over, the device brakes until it rests, then loses power.
     - RAMP_IN, ACTIVE: requests pass, their torque clamped; RAMP_IN raises the clamp over ``ramp_s``.
     - HOLD (category 2): the last command stands still; lowered at <= 20 deg/s where it holds a stretch.
     - COMPLIANT: no stiffness, damping only: the load is followed, never pushed.
-    - CAT1: damped brake at once; power is cut when everything has been still.
+    - CAT1: damped brake at once; power is cut when the hand has been still and nothing has pushed hard for
+      as long as a spasm may last, at the latest after 5 s.
     - CAT0: power is cut at once. Only where the sensors or the loop cannot be trusted.
 
     Args:
@@ -181,6 +182,7 @@ class Supervisor:
             wanted = self._own_command(state, request.seq)
             found = self._envelope.assess(state, wanted, None, self._cap(), moving=False)
         self._previous = wanted if self._state in _FOLLOWING else None
+        self._drive.note(found.load_share)
         tau = self._act(state, wanted, found)
         load, powered = found.load_share, self._drive.powered
         return Outcome(
@@ -188,7 +190,7 @@ class Supervisor:
         )
 
     def close(self) -> None:
-        """Cut power and disconnect. Finish or stop first, and write until ``powered`` is False."""
+        """Cut power and disconnect, at once. A hand that is held open snaps: see ``brake_and_close``."""
         if self._state is SafetyState.OFF:
             return
         self._drive.close()

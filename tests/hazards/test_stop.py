@@ -36,5 +36,7 @@ def test_stop_acts_in_its_tick_and_stays_until_a_reset(rigid: Any, situation: st
     assert rig.causes()[-1] == "e-stop"
     assert rig.hand.mode == ("brake" if was_powered else "off")
     rig.button.down = False
-    assert rig.run(500).safety_state is SafetyState.CAT1
+    rests_s = 3.2 if situation == "compliant" else 0.5  # the load that made it yield may have been a spasm
+    rig.hand.corrupt = lambda state: state
+    assert rig.run(round(rests_s / rigid.PERIOD_S)).safety_state is SafetyState.CAT1
     assert rig.hand.mode == "off"

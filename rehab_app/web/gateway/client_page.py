@@ -18,6 +18,7 @@ from rehab_app.web.policy import viewport_policy
 from rehab_app.web.viewport import LOOPBACK
 
 _ALPHABET = "".join(chr(code) for code in range(0x21, 0x7F) if chr(code) not in "\"&<>'`")
+_PATIENCE_S = 20.0
 _STYLE = '<link rel="stylesheet" href="/static/viewport.css">'
 _LOADER = re.compile(
     r'<script data-p="(?P<packed>[^"]*)" data-ss="(?P<styles>\d+)" data-cs="(?P<code>\d+)">'
@@ -54,7 +55,8 @@ class ClientPages:
         """The page, by way of the viewport at this loopback port.
 
         Raises:
-            Refused: It is not the page that this version knows, so no safe policy can be given.
+            Refused: The viewport does not answer, or its page is not the one that this version knows, so that
+                no safe policy can be given.
         """
         with self._lock:
             if self._page is None:

@@ -10,7 +10,7 @@ import viser
 from rehab_app.web.viewport.verdict import TARGET_MM
 from robot_iface.types import Float64
 
-_HEIGHT_PX = 210
+_HEIGHT_PX = 200
 _MOST_POINTS = 400
 _SPAN_MM = 1.6 * TARGET_MM
 _HIDDEN: Any = {"show": False}
@@ -26,12 +26,11 @@ class ErrorChart:
 
     def __init__(self, server: viser.ViserServer, x_label: str) -> None:
         self._chart: Any = server.gui.add_uplot(
-            _columns(np.array([0.0, 10.0]), np.zeros(2), None),
+            _columns(np.array([0.0, 10.0]), np.zeros(2)),
             (
                 {},
                 {"label": "error", "stroke": "#00489a", "width": 2, "points": _HIDDEN},
                 {"label": "target", "stroke": "#b00020", "width": 1.5, "dash": (7, 5), "points": _HIDDEN},
-                {"label": "past", "stroke": "transparent", "fill": "#00489a33", "points": _HIDDEN},
                 {"label": "span", "stroke": "transparent", "points": _HIDDEN},
             ),
             # Without time=False the axis prints dates. The scales are never assigned again: that would
@@ -46,15 +45,18 @@ class ErrorChart:
             padding=(8, 14, 0, 0),
         )
 
-    def draw(self, t_s: Float64, error_mm: Float64, now_s: float | None = None) -> None:
-        """Replace the curve: times (n,), errors (n,); what lies before ``now_s`` is filled."""
+    def show(self, visible: bool) -> None:
+        """Show or hide the chart."""
+        self._chart.visible = visible
+
+    def draw(self, t_s: Float64, error_mm: Float64) -> None:
+        """Replace the curve: times (n,) and errors (n,); what is not finite is left out."""
         known = np.flatnonzero(np.isfinite(error_mm))
         chosen = known[:: max(-(-known.size // _MOST_POINTS), 1)]
         if chosen.size >= 2:
-            self._chart.data = _columns(t_s[chosen], error_mm[chosen], now_s)
+            self._chart.data = _columns(t_s[chosen], error_mm[chosen])
 
 
-def _columns(t_s: Float64, error_mm: Float64, now_s: float | None) -> tuple[Float64, ...]:
-    """Time, error, target, the past's error, the least span to show. A NaN would stop the scaling."""
-    past = np.zeros(t_s.size) if now_s is None else np.where(t_s <= now_s, error_mm, 0.0)
-    return t_s, error_mm, np.full(t_s.size, TARGET_MM), past, np.linspace(0.0, _SPAN_MM, t_s.size)
+def _columns(t_s: Float64, error_mm: Float64) -> tuple[Float64, ...]:
+    """Time, error, target and the least span to show. A NaN would stop the scaling."""
+    return t_s, error_mm, np.full(t_s.size, TARGET_MM), np.linspace(0.0, _SPAN_MM, t_s.size)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Any
 
 import cv2
 import numpy as np
@@ -19,6 +18,7 @@ from rehab_app.web.viewport.words import facts_of, verdict_of
 _BUSY_HZ, _IDLE_HZ = 30.0, 5.0
 _SLOW_EVERY = 3
 STALE_S = 0.3
+_MOVING = ("recording", "playing")
 
 
 class LiveViewport:
@@ -33,10 +33,7 @@ class LiveViewport:
         snapshot = self._desk.snapshot()
         self._room = furnish("Live", snapshot.geometry)
         self._panel = Panel(self._room, "time [s]")
-        self._camera: Any = self._room.server.gui.add_image(
-            np.full((240, 320, 3), 238, dtype=np.uint8), label="Camera", format="jpeg", visible=False
-        )
-        self._frame, self._fresh_s = -1, time.monotonic()
+        self._frame, self._fresh_s, self._seen = -1, time.monotonic(), False
         self._state: str = ""
         self._turn = 0
         self._ending = threading.Event()
@@ -72,6 +69,7 @@ class LiveViewport:
             if changed:
                 self._enter(snapshot)
             if snapshot.frame != self._frame or changed:
+                self._seen = self._seen or not changed
                 self._frame, self._fresh_s = snapshot.frame, time.monotonic()
                 self._hands(snapshot, slow=slow)
             if slow:
@@ -84,8 +82,9 @@ class LiveViewport:
         if snapshot.state in ("countdown", "rehearsing"):
             self._room.patient_trail.clear()
             self._room.therapist_trail.clear()
-        self._camera.visible = snapshot.state in ("countdown", "recording", "processing")
-        self._state = snapshot.state
+        self._panel.camera.visible = seeing = snapshot.state in ("countdown", "recording", "processing")
+        self._panel.compare(not seeing)
+        self._state, self._seen = snapshot.state, False
 
     def _hands(self, snapshot: LiveSnapshot, *, slow: bool) -> None:
         patient, therapist = snapshot.patient_joints_rad, snapshot.therapist_joints_rad
@@ -104,15 +103,15 @@ class LiveViewport:
 
     def _beside(self, snapshot: LiveSnapshot) -> None:
         """Panel, chart and camera image."""
-        stale = snapshot.state in ("recording", "playing") and time.monotonic() - self._fresh_s > STALE_S
+        stale = self._seen and snapshot.state in _MOVING and time.monotonic() - self._fresh_s > STALE_S
         shown = verdict.Verdict("alarm", "STALE: this picture is old") if stale else verdict_of(snapshot)
         self._panel.say(shown, facts_of(snapshot))
         self._panel.mark(snapshot.frame)
         if snapshot.state in BUSY:
             t_s, error_mm = self._desk.error_history()
             self._panel.chart.draw(t_s, error_mm)
-        jpeg = self._desk.camera_jpeg() if self._camera.visible else None
+        jpeg = self._desk.camera_jpeg() if self._panel.camera.visible else None
         if jpeg is not None:
             image = cv2.imdecode(np.frombuffer(jpeg, dtype=np.uint8), cv2.IMREAD_COLOR)
             if image is not None:
-                self._camera.image = np.ascontiguousarray(cv2.resize(image, (320, 240))[:, :, ::-1])
+                self._panel.camera.image = np.ascontiguousarray(cv2.resize(image, (320, 240))[:, :, ::-1])

@@ -7,6 +7,8 @@ server on 127.0.0.1. So the viewports listen on a loopback address and a port th
 
 from __future__ import annotations
 
+import contextlib
+import io
 import secrets
 
 import viser
@@ -28,10 +30,21 @@ class PrivateServer(viser.ViserServer):
     """
 
     def __init__(self, label: str) -> None:
-        super().__init__(host=LOOPBACK, port=0, label=label, verbose=False)
+        with _hushed():
+            super().__init__(host=LOOPBACK, port=0, label=label, verbose=False)
         if not 0 < self.get_port() < 65536:
             raise Refused("viewport port", str(self.get_port()), "a free loopback port", "free some ports")
 
     def request_share_url(self, verbose: bool = True) -> str | None:
         """Refuse: a client's message could otherwise publish the clinic's screen."""
         return None
+
+    def stop(self) -> None:
+        """Close the server."""
+        with _hushed():
+            super().stop()
+
+
+def _hushed() -> contextlib.redirect_stdout[io.StringIO]:
+    """Keep viser from printing an address that no person should open."""
+    return contextlib.redirect_stdout(io.StringIO())

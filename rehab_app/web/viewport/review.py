@@ -16,6 +16,7 @@ from rehab_app.web.viewport.panel import Panel
 from rehab_app.web.viewport.scene import furnish
 from rehab_app.web.viewport.trails import POINTS
 from rehab_app.web.viewport.verdict import Verdict, of_error
+from rehab_app.web.viewport.words import PHASES
 
 _HZ = 25.0
 _TRAIL_S = 2.5
@@ -36,6 +37,9 @@ class ReviewViewport:
         self._room = furnish(label, replay.geometry)
         self._add_transport()
         self._panel = Panel(self._room, "time [s]")
+        self._panel.compare(replay.fingertip_error_m is not None)
+        if replay.fingertip_error_m is not None:
+            self._panel.chart.draw(replay.t_s, 1e3 * replay.fingertip_error_m)
         self._at_s, self._drawn_row, self._playing, self._turn = 0.0, -1, True, 0
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._work, name="review-viewport", daemon=True)
@@ -132,8 +136,6 @@ class ReviewViewport:
         if replay.reference_joints_rad is not None:
             self._room.therapist_trail.replace(replay.geometry, replay.reference_joints_rad[past])
         self._panel.say(self._verdict(row), self._facts(row))
-        if replay.fingertip_error_m is not None:
-            self._panel.chart.draw(replay.t_s, 1e3 * replay.fingertip_error_m, float(replay.t_s[row]))
 
     def _verdict(self, row: int) -> Verdict:
         error = self._replay.fingertip_error_m
@@ -145,13 +147,18 @@ class ReviewViewport:
                 "s",
                 "The recorded hand alone; there is no reference.",
             )
+        if not np.isfinite(error[row]):
+            phase = self._replay.phases[row]
+            return Verdict(
+                "calm", PHASES.get(phase, phase), detail="Compared only while the movement is made."
+            )
         return of_error(np.full(5, error[row]), with_worst=False)
 
     def _facts(self, row: int) -> tuple[tuple[str, str], ...]:
         replay = self._replay
         rows = [("Time", f"{replay.t_s[row]:.1f} of {self._end_s:.1f} s")]
         if replay.phases:
-            rows.append(("Phase", replay.phases[row]))
+            rows.append(("Phase", PHASES.get(replay.phases[row], replay.phases[row])))
         past = [
             event
             for event in replay.events

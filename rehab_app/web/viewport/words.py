@@ -7,7 +7,7 @@ from rehab_app.web.viewport.verdict import Verdict, of_error
 
 FULL_SUPPORT_MULTIPLE = 4.0
 """Stiffness multiple that counts as 100 % support: the most that assist-as-needed may give."""
-_PHASES = {
+PHASES = {
     "approach": "Moving to the start",
     "ramp": "Taking hold gently",
     "cue": "Your turn: start the movement",
@@ -40,7 +40,7 @@ def verdict_of(snapshot: LiveSnapshot) -> Verdict:
         "idle": ("calm", "Ready"),
         "processing": ("calm", "Saving the take"),
         "rehearsing": ("calm", "Rehearsing: nothing moves yet"),
-        "playing": ("calm", "Starting"),
+        "playing": ("calm", PHASES.get(snapshot.phase, "Starting")),
         "stopped": ("alarm", "STOPPED"),
         "done": ("good", "Done"),
         "failed": ("caution", "Not done"),
@@ -52,7 +52,7 @@ def facts_of(snapshot: LiveSnapshot) -> tuple[tuple[str, str], ...]:
     """The lines beneath the card."""
     if snapshot.state not in ("playing", "stopped", "done") or not snapshot.repetitions:
         return ()
-    rows = [("Phase", "Paused" if snapshot.paused else _PHASES.get(snapshot.phase, snapshot.phase or "-"))]
+    rows = [("Phase", "Paused" if snapshot.paused else PHASES.get(snapshot.phase, snapshot.phase or "-"))]
     done = max(snapshot.repetition + 1, 0)
     rows.append(("Repetition", f"{min(done, snapshot.repetitions)} of {snapshot.repetitions}"))
     if snapshot.started_by:

@@ -9,6 +9,7 @@ import pytest
 from rehab_app.access import CONSOLE, Account
 from rehab_app.bootstrap import open_clinic
 from rehab_app.errors import REFUSALS, Refused
+from robot_iface.motion import QuinticPath, check_path
 from sessions.store import verify
 
 AUDITOR = Account("otto", "auditor", "3")

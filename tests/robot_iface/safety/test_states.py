@@ -153,7 +153,7 @@ def test_a_stop_brakes_first_and_cuts_power_only_when_all_is_still(rigid: Any) -
     rig.cycle()
     rig.button.down = False
     assert rig.hand.mode == "brake"
-    assert peak_speed_deg_s(rig, 3000) > 5.0
+    assert peak_speed_deg_s(rig, 5000) > 5.0
     assert rig.outcomes[-1].powered is False
     cut = next(
         i
@@ -169,7 +169,7 @@ def test_a_trembling_hand_stays_braked_until_it_is_really_still(rigid: Any) -> N
     rig = rigid.Rig(
         ramp_s=0.05,
         stiffness=0.0,
-        effort=lambda t_s: 0.1 * np.sin(10 * np.pi * t_s) * (0.2 < t_s < 3.0),
+        effort=lambda t_s: 0.03 * np.sin(10 * np.pi * t_s) * (0.2 < t_s < 3.0),
     )
     rig.go_active()
     rig.run(100)
@@ -284,7 +284,7 @@ def test_finish_brakes_and_then_cuts_power_without_an_event(rigid: Any) -> None:
     rig.supervisor.finish()
     assert rig.cycle().powered
     assert rig.hand.mode == "brake"
-    assert peak_speed_deg_s(rig, 3000) < 170.0
+    assert peak_speed_deg_s(rig, 5000) < 170.0
     assert (rig.supervisor.state, rig.outcomes[-1].powered, rig.causes()) == (SafetyState.READY, False, [])
     rig.supervisor.close()
     assert rig.hand.log[-1] == "close"
