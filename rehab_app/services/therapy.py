@@ -215,6 +215,10 @@ def check_accepted(certificate: Certificate) -> None:
         Refused: The certificate is not one of acceptance.
     """
     if not certificate.accepted:
-        raise Refused(
-            "rehearsal", f"not passed ({certificate.summary})", "passed", "play it slower or change the take"
+        held = "held-stretch" in certificate.summary  # playing slower would only hold the stretch for longer
+        remedy = (
+            "lower the stiffness, limit the range to the patient's own, or trim the still start of the take"
+            if held
+            else "lower the speed or the stiffness, or choose another take"
         )
+        raise Refused("rehearsal", f"not passed ({certificate.summary})", "passed", remedy)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import time
 from collections.abc import AsyncGenerator, Callable
 from contextlib import asynccontextmanager
@@ -18,6 +20,7 @@ from starlette.types import Scope
 
 from rehab_app.access import RateLimit, Verb
 from rehab_app.config import ClinicFolder
+from rehab_app.errors import Refused
 from rehab_app.services.clinic import Clinic
 from rehab_app.web import stop
 from rehab_app.web.gateway import picture, wire
@@ -56,7 +59,9 @@ def create_app(
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncGenerator[None]:
+        warm = asyncio.create_task(_warm(site))
         yield
+        await warm
         await run_in_threadpool(site.viewports.close)
 
     app = Starlette(
@@ -67,6 +72,12 @@ def create_app(
     )
     app.state.site = site
     return app
+
+
+async def _warm(site: Site) -> None:
+    """Start the live picture before anybody asks for it; where it cannot start, its page will say so."""
+    with contextlib.suppress(Refused):
+        await run_in_threadpool(site.viewports.live_port)
 
 
 def _routes() -> list[BaseRoute]:

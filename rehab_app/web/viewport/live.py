@@ -82,8 +82,10 @@ class LiveViewport:
         if snapshot.state in ("countdown", "rehearsing"):
             self._room.patient_trail.clear()
             self._room.therapist_trail.clear()
-        self._panel.camera.visible = seeing = snapshot.state in ("countdown", "recording", "processing")
-        self._panel.compare(not seeing)
+        self._panel.camera.visible = snapshot.state in ("countdown", "recording", "processing")
+        self._panel.compare(
+            snapshot.state in ("rehearsing", "playing", "stopped", "done") and snapshot.repetitions > 0
+        )
         self._state, self._seen = snapshot.state, False
 
     def _hands(self, snapshot: LiveSnapshot, *, slow: bool) -> None:
