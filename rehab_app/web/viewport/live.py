@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 
 import cv2
@@ -11,6 +10,7 @@ import numpy as np
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.snapshot import BUSY, LiveSnapshot
 from rehab_app.web.viewport import verdict
+from rehab_app.web.viewport.painter import Painter
 from rehab_app.web.viewport.panel import Panel
 from rehab_app.web.viewport.scene import furnish
 from rehab_app.web.viewport.words import facts_of, verdict_of
@@ -36,30 +36,22 @@ class LiveViewport:
         self._frame, self._fresh_s, self._seen = -1, time.monotonic(), False
         self._state: str = ""
         self._turn = 0
-        self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._work, name="live-viewport", daemon=True)
-        self._thread.start()
+        self._painter = Painter(self._room, "live-viewport", self._paint)
 
     @property
     def port(self) -> int:
-        """Loopback port of the viser server."""
-        return self._room.server.get_port()
+        """Port of the viser server on the private loopback address."""
+        return self._painter.port
 
     def close(self) -> None:
         """Stop drawing and close the server."""
-        self._ending.set()
-        self._thread.join()
-        self._room.server.stop()
+        self._painter.close()
 
-    def _work(self) -> None:
-        """Draw until closed; absolute deadlines, so that a slow frame is skipped and not caught up."""
-        due = time.monotonic()
-        while not self._ending.is_set():
-            snapshot = self._desk.snapshot()
-            self._draw(snapshot)
-            period = 1.0 / (_BUSY_HZ if snapshot.state in BUSY else _IDLE_HZ)
-            due = max(due + period, time.monotonic())
-            self._ending.wait(due - time.monotonic())
+    def _paint(self) -> float:
+        """Draw the newest snapshot."""
+        snapshot = self._desk.snapshot()
+        self._draw(snapshot)
+        return 1.0 / (_BUSY_HZ if snapshot.state in BUSY else _IDLE_HZ)
 
     def _draw(self, snapshot: LiveSnapshot) -> None:
         self._turn += 1

@@ -12,6 +12,7 @@ import viser
 
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.rows import Replay
+from rehab_app.web.viewport.painter import Painter
 from rehab_app.web.viewport.panel import Panel
 from rehab_app.web.viewport.scene import furnish
 from rehab_app.web.viewport.trails import POINTS
@@ -41,20 +42,17 @@ class ReviewViewport:
         if replay.fingertip_error_m is not None:
             self._panel.chart.draw(replay.t_s, 1e3 * replay.fingertip_error_m)
         self._at_s, self._drawn_row, self._playing, self._turn = 0.0, -1, True, 0
-        self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._work, name="review-viewport", daemon=True)
-        self._thread.start()
+        self._painted_s = time.monotonic()
+        self._painter = Painter(self._room, "review-viewport", self._paint)
 
     @property
     def port(self) -> int:
-        """Loopback port of the viser server."""
-        return self._room.server.get_port()
+        """Port of the viser server on the private loopback address."""
+        return self._painter.port
 
     def close(self) -> None:
         """Stop drawing and close the server."""
-        self._ending.set()
-        self._thread.join()
-        self._room.server.stop()
+        self._painter.close()
 
     def _add_transport(self) -> None:
         gui = self._room.server.gui
@@ -91,15 +89,14 @@ class ReviewViewport:
         self._button.label = "Pause" if playing else "Play"
         self._button.icon = viser.Icon.PLAYER_PAUSE if playing else viser.Icon.PLAYER_PLAY
 
-    def _work(self) -> None:
-        before = time.monotonic()
-        while not self._ending.is_set():
-            now = time.monotonic()
-            if self._playing:
-                self._advance((now - before) * self._factor)
-            before = now
-            self._draw()
-            self._ending.wait(max(0.0, now + 1.0 / _HZ - time.monotonic()))
+    def _paint(self) -> float:
+        """Advance by the time since the last picture and draw."""
+        now_s = time.monotonic()
+        if self._playing:
+            self._advance((now_s - self._painted_s) * self._factor)
+        self._painted_s = now_s
+        self._draw()
+        return 1.0 / _HZ
 
     def _advance(self, by_s: float) -> None:
         self._at_s += by_s

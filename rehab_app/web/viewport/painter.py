@@ -1,0 +1,42 @@
+"""A thread that draws a room until it is closed; a slow frame is skipped and not caught up."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+from rehab_app.web.viewport.scene import Room
+
+
+class Painter:
+    """Owns a room's server and the thread that draws in it.
+
+    Args:
+        room: What is drawn.
+        name: Name of the thread.
+        paint: Draws once and returns the period until the next time, s.
+    """
+
+    def __init__(self, room: Room, name: str, paint: Callable[[], float]) -> None:
+        self._room, self._paint = room, paint
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._work, name=name, daemon=True)
+        self._thread.start()
+
+    @property
+    def port(self) -> int:
+        """Port of the viser server on the private loopback address."""
+        return self._room.server.get_port()
+
+    def close(self) -> None:
+        """Stop drawing and close the server."""
+        self._ending.set()
+        self._thread.join()
+        self._room.server.stop()
+
+    def _work(self) -> None:
+        due = time.monotonic()
+        while not self._ending.is_set():
+            due = max(due + self._paint(), time.monotonic())
+            self._ending.wait(due - time.monotonic())
