@@ -20,6 +20,7 @@ async function beat() {
       method: "POST",
       headers: { Accept: "application/json", "X-Form-Token": told.token },
       body: new URLSearchParams({ page: alive ? told.page : "" }),
+      signal: AbortSignal.timeout(2000),
     });
     const said = await answer.json();
     postMessage({ status: answer.status, said });

@@ -174,10 +174,11 @@ async function listTakes(chosen) {
     approve.disabled = Boolean(mine.approved_by);
     approve.textContent = mine.approved_by ? "✓ Approved" : "✓ Approve";
   }
-  list.replaceChildren(...rows.filter((row) => row.approved_by).map((row) => {
+  const options = rows.filter((row) => row.approved_by).map((row) => {
     const words = `${row.words}, ${row.side}, ${row.seconds.toFixed(1)} s (${row.id.slice(0, 8)})`;
     return new Option(words, row.id, false, row.id === kept);
-  }));
+  });
+  if (options.length) list.replaceChildren(...options);
   if (chosen) choose(byId("tab-play"));
 }
 document.querySelector("select[name=patient]").addEventListener("change", showPatient);
@@ -202,8 +203,8 @@ function lag() {
 function tick() {
   const late = lag();
   const lost = performance.now() - answeredAt > 1000;
-  stale.hidden = late < 500;
-  stale.textContent = lost ? "NO CONNECTION: this picture is old" : "STALE: this picture is old";
+  stale.hidden = late < 300;
+  stale.firstElementChild.textContent = (lost ? "NO CONNECTION" : "STALE") + ": this picture is old";
   beat.postMessage({ token, page, alive: late < 1000, hidden: document.hidden });
 }
 
