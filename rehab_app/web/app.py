@@ -13,7 +13,7 @@ from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
 from starlette.requests import Request
-from starlette.responses import PlainTextResponse, Response
+from starlette.responses import Response
 from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
@@ -28,13 +28,13 @@ from rehab_app.web.gateway.client_page import ClientPages
 from rehab_app.web.guard import Guard, own_names
 from rehab_app.web.pages import entry, live, patients, recordings
 from rehab_app.web.remember import Remembered
-from rehab_app.web.render import page_templates
+from rehab_app.web.render import page_templates, render
 from rehab_app.web.signing import Seal, clinic_key
 from rehab_app.web.site import Site, Viewports
-from rehab_app.web.visit import Visit, action, page
+from rehab_app.web.visit import Visit, account_of, action, page, ticket_of
 
 _TRIES = 20
-_TRIES_WINDOW_S = 300.0
+_TRIES_WINDOW_S = 60.0
 
 
 def create_app(
@@ -168,11 +168,20 @@ def _real_viewports(clinic: Clinic) -> Viewports:
 
 
 def _not_found(request: Request, _: Exception) -> Response:
-    return PlainTextResponse(f"There is no page {request.url.path}.", 404)
+    """A page like every other, with the stop on it."""
+    site: Site = request.app.state.site
+    ticket = ticket_of(site, request)
+    sentence = f"There is no page {request.url.path}: go back to the start."
+    visitor = account_of(site, ticket)
+    return render(
+        site, request, "refused.html.j2", visitor=visitor, ticket=ticket, status=404, sentence=sentence
+    )
 
 
-def _failed(_: Request, __: Exception) -> Response:
-    return PlainTextResponse("This page failed; the server's log says why. The stop still works.", 500)
+def _failed(request: Request, _: Exception) -> Response:
+    """The same for what went wrong here; it asks no data base, which may be what failed."""
+    sentence = "This page failed; the server's log says why. The stop still works."
+    return render(request.app.state.site, request, "refused.html.j2", status=500, sentence=sentence)
 
 
 class _Static(StaticFiles):

@@ -80,6 +80,9 @@ def _sign_in(request: Request, form: dict[str, str]) -> Response:
     name, address = form.get("name", "").strip(), _address(request)
     try:
         site.sign_in_limit.check(address)
+    except Refused as refusal:  # not counted again: a try while waiting does not prolong the wait
+        return _sign_in_page(request, name, f"Sign-in: {refusal}", 403)
+    try:
         with site.signing_in:
             account = site.clinic.accounts.sign_in(name, form.get("password", ""))
     except Refused as refusal:

@@ -96,6 +96,9 @@ def test_a_report_runs_no_script_and_may_be_framed_by_the_shell(browser, take):
 
 
 def test_an_unknown_page_and_a_start_page(browser):
-    assert browser("therapist").get("/nowhere").status_code == 404
+    for visitor in (browser("therapist"), browser()):
+        answer = visitor.get("/nowhere")
+        assert answer.status_code == 404
+        assert "EMERGENCY STOP" in answer.text
     assert browser("therapist").get("/").headers["location"] == "/live"
     assert browser().get("/").headers["location"] == "/sign-in"
