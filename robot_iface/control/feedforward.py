@@ -56,7 +56,7 @@ class FeedForward:
         self._low_rad, self._high_rad = limits.q_min_rad, limits.q_max_rad
         self._forgetting = forgetting
         self._last = bins - 2
-        places_s: Float64 = np.arange(bins) * _STEP_S
+        places_s: Float64 = np.arange(bins, dtype=np.float64) * _STEP_S
         self._headings: Float64 | None = None
         self._fade: Float64 = np.ones((bins, 1))
         if headings_rad is not None:

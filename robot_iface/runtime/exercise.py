@@ -280,7 +280,7 @@ class Exercise:
         self._troubled = False
 
     def _return(self, state: DeviceState, load_share: float) -> Setpoint:
-        if self._back.done and not self.player.paused:
+        if self._back.done and not self.player.paused and not bool(self._tau_ff.any()):
             self.path_state = PathState(0.0, 0.0, 0.0, False)
             self.player.rewind()
             self._enter("rest" if self.repetition + 1 < self._plan.prescription.repetitions else "done")

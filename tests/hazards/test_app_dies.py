@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from robot_iface.safety import brake_and_close
 from robot_iface.types import SafetyState
 
 
@@ -24,3 +25,20 @@ def test_a_held_stretch_is_let_go_slowly_when_the_heartbeat_stops(rigid: Any) ->
     assert loads[-1] < 0.05, "the stretch is still held"
     assert speeds < 150.0, "the hand snapped back"
     assert rig.outcomes[-1].powered is False
+
+
+def test_a_held_stretch_is_let_go_slowly_when_the_loop_itself_breaks_off(rigid: Any) -> None:
+    rig = rigid.Rig(multiple=6.0, ramp_s=0.05, q_rad=0.9, stiffness=0.4, rest_rad=0.9)
+    rig.go_active()
+    rig.glide(-0.2, 1.3)
+    speeds = []
+
+    def next_tick() -> int:
+        rig.hand.step()
+        speeds.append(float(np.rad2deg(np.abs(rig.hand.dq).max())))
+        return int(rig.hand.tick * rigid.PERIOD_NS)
+
+    brake_and_close(rig.supervisor, next_tick)
+    assert rig.hand.log[-1] == "close"
+    assert max(speeds) < 150.0, "the hand snapped back"
+    assert speeds[-1] < 5.0

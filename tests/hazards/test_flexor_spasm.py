@@ -92,3 +92,18 @@ def test_after_the_trip_the_robot_never_drives_the_hand(rigid: Any, size_nm: flo
     assert tripped[0] - rig.spasm_tick < 400
     power = [rig.outcomes[i].applied_tau_nm * rig.states[i].dq_rad_s for i in tripped]
     assert float(np.max(power)) <= 0.0
+
+
+@pytest.mark.parametrize("duration_s", [0.5, 1.5, 3.0])
+@pytest.mark.parametrize("size_nm", [0.3, 0.5, 0.9])
+def test_the_end_of_a_spasm_meets_the_brake_of_a_stop(rigid: Any, size_nm: float, duration_s: float) -> None:
+    """Stop is pressed in the spasm; the spasm then holds the hand still, and that is not yet rest."""
+    rig = rigid.Rig(ramp_s=0.05, effort=spasm(size_nm, duration_s), **HAND)
+    rig.go_active()
+    rig.run(round((SPASM_AT_S + 0.1) / rigid.PERIOD_S) - rig.hand.tick)
+    rig.button.down = True
+    rig.run(round((SPASM_AT_S + duration_s) / rigid.PERIOD_S) - rig.hand.tick)
+    assert rig.supervisor.state is SafetyState.CAT1
+    assert rig.hand.mode == "brake"
+    rig.run(6000)
+    assert rig.hand.mode == "off", "and the stop still ends without power"

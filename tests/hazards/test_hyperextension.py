@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from robot_iface.control import FeedForward
 from robot_iface.motion import QuinticPath, check_path
 from robot_iface.safety import shipped_limits
 from robot_iface.types import ReferencePath
@@ -43,3 +45,26 @@ def test_the_supervisor_holds_the_edge_at_zero_against_a_wrong_request(rigid: An
     rig.run(300)
     lowest = np.rad2deg(np.min([state.q_rad for state in rig.states]))
     assert lowest > -0.5
+
+
+def test_what_was_learnt_does_not_push_a_joint_through_zero(rigid: Any) -> None:
+    """All of the extension torque that may be learnt, slewed as in a run: alone it would reach -15 deg."""
+    rig = rigid.Rig(ramp_s=0.05, q_rad=0.2, rest_rad=0.2, stiffness=0.1, multiple=1.0)
+    learner = FeedForward(1.0, rig.limits, 1.0)
+    for place_s in np.linspace(0.0, 1.0, 101):
+        learner.observe(float(place_s), np.full(3, -1.0), 0.2)
+    learner.learn(np.ones(3), 0.5)
+    assert np.allclose(learner.torque(0.5, rig.hand.q), -0.5 * rig.limits.tau_interaction_nm)
+    rig.go_active()
+    torque = np.zeros(3)
+
+    def push(request: Any) -> Any:
+        step = learner.torque(0.5, rig.hand.q) - torque
+        torque[:] += np.clip(step, -0.15e-3, 0.15e-3)
+        return replace(request, tau_ff_nm=torque.copy())
+
+    rig.change = push
+    rig.glide(-0.2, 1.0)
+    rig.run(2000)
+    assert np.rad2deg(np.min([state.q_rad for state in rig.states])) > -1.0
+    assert rig.events() == []

@@ -68,3 +68,21 @@ def test_a_spastic_hand_is_assisted_without_a_stop(make_plan: MakePlan, fist: An
     assert run.end.completed
     assert not run.events
     assert virtual_patient("mas2").flexed
+
+
+def test_the_second_repetition_begins_without_a_push_and_nothing_is_learnt_from_the_ahead(
+    make_plan: MakePlan, fist: Any, course: Any
+) -> None:
+    """A weak patient at three times the thesis gains runs ahead: that must not turn into a push."""
+    plan = make_plan("weak", "assistive", repetitions=3, path=fist(3.0, 25.0, 1.0))
+    run = course(plan)
+    assert run.end.completed
+    assert not run.events
+    push = run.column("tau_ff_nm")
+    assert np.abs(np.diff(push, axis=0)).max() <= 0.5e-3 + 1e-9
+    for repetition in (1, 2):
+        moving = run.moving(repetition)
+        assert np.abs(push[moving][:50]).max() < 1e-3
+        assert np.abs(push[moving][-50:]).max() < 5e-3
+    below = plan.limits.q_min_rad - run.column("q_rad")
+    assert np.rad2deg(below.max()) < 0.5

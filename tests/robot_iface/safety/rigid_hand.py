@@ -201,3 +201,21 @@ class Rig:
 
     def causes(self) -> list[str]:
         return [event.cause for event in self.events()]
+
+
+OPEN_SPASTIC = {"q_rad": 0.9, "stiffness": 0.4, "rest_rad": 0.9}
+
+
+def stretch(**hand: Any) -> Any:
+    """A spastic hand held open by the robot, at rest."""
+    rig = Rig(multiple=6.0, **(OPEN_SPASTIC | hand))
+    rig.go_active()
+    rig.glide(-0.2, 1.3)
+    rig.run(500)
+    assert rig.events() == []
+    return rig
+
+
+def peak_speed_deg_s(rig: Any, ticks: int) -> float:
+    rig.run(ticks)
+    return float(np.rad2deg(np.abs([state.dq_rad_s for state in rig.states[-ticks:]]).max()))

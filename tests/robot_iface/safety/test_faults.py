@@ -103,7 +103,10 @@ def test_a_joint_more_than_two_degrees_outside_its_range(rigid: Any, joint: int,
         assert (state is CAT1) == trips
         rig.hand.dq[:] = 0.0
         rig.hand.ddq[:] = 0.0
-    assert rig.events()[0].joint == rigid.NAMES[joint]
+    event = rig.events()[0]
+    assert event.joint == rigid.NAMES[joint]
+    assert event.value == pytest.approx(bound[joint] + sign * np.deg2rad(2.1)), "the angle itself, signed"
+    assert event.bound == pytest.approx(bound[joint] + sign * np.deg2rad(2.0)), "and the end it has passed"
     assert (rig.causes(), rig.hand.mode) == (["range"], "brake")
 
 

@@ -1,4 +1,4 @@
-"""The state machine: ramp, latching, reset, lowering, braking before power is cut."""
+"""The state machine: ramp, latching, reset, hold and lowering."""
 
 from __future__ import annotations
 
@@ -11,11 +11,9 @@ import pytest
 from robot_iface.errors import Refused
 from robot_iface.types import SafetyState
 
-OPEN_SPASTIC = {"q_rad": 0.9, "stiffness": 0.4, "rest_rad": 0.9}
-
 
 def test_ramp_in_lasts_as_prescribed_and_torque_grows_with_it(rigid: Any) -> None:
-    rig = rigid.Rig(ramp_s=2.0, **OPEN_SPASTIC)
+    rig = rigid.Rig(ramp_s=2.0, **rigid.OPEN_SPASTIC)
     rig.goal = np.full(3, 0.1)
     rig.supervisor.start()
     rig.run(3)
@@ -132,110 +130,14 @@ def _with_limits(rigid: Any, rig: Any, limits: Any) -> Any:
     return supervisor
 
 
-def stretch(rigid: Any, **hand: Any) -> Any:
-    """A spastic hand held open by the robot, at rest."""
-    rig = rigid.Rig(multiple=6.0, **(OPEN_SPASTIC | hand))
-    rig.go_active()
-    rig.glide(-0.2, 1.3)
-    rig.run(500)
-    assert rig.events() == []
-    return rig
-
-
-def peak_speed_deg_s(rig: Any, ticks: int) -> float:
-    rig.run(ticks)
-    return float(np.rad2deg(np.abs([state.dq_rad_s for state in rig.states[-ticks:]]).max()))
-
-
-def test_a_stop_brakes_first_and_cuts_power_only_when_all_is_still(rigid: Any) -> None:
-    rig = stretch(rigid)
-    rig.button.down = True
-    rig.cycle()
-    rig.button.down = False
-    assert rig.hand.mode == "brake"
-    assert peak_speed_deg_s(rig, 5000) > 5.0
-    assert rig.outcomes[-1].powered is False
-    cut = next(
-        i
-        for i, outcome in enumerate(rig.outcomes)
-        if outcome.safety_state is SafetyState.CAT1 and not outcome.powered
-    )
-    assert np.rad2deg(np.abs([state.dq_rad_s for state in rig.states[cut - 98 : cut + 1]]).max()) < 5.0
-    assert rig.hand.log[-2:] == ["brake", "power off"]
-
-
-def test_a_trembling_hand_stays_braked_until_it_is_really_still(rigid: Any) -> None:
-    """A 5 Hz clonus is slow twice in every beat; those moments must not add up to rest."""
-    rig = rigid.Rig(
-        ramp_s=0.05,
-        stiffness=0.0,
-        effort=lambda t_s: 0.03 * np.sin(10 * np.pi * t_s) * (0.2 < t_s < 3.0),
-    )
-    rig.go_active()
-    rig.run(100)
-    rig.button.down = True
-    rig.run(2500)
-    assert rig.hand.mode == "brake"
-    rig.run(700)
-    assert rig.hand.mode == "off"
-
-
-def test_braking_keeps_the_snap_of_a_held_open_hand_far_below_power_off(rigid: Any) -> None:
-    braked, cut = stretch(rigid), stretch(rigid)
-    braked.button.down = True
-    cut.watch = dataclasses.replace(cut.watch, overruns_in_row=4)
-    slow, fast = peak_speed_deg_s(braked, 600), peak_speed_deg_s(cut, 600)
-    assert slow < 0.3 * fast
-
-
 def test_hold_keeps_the_posture_and_its_torque(rigid: Any) -> None:
-    rig = stretch(rigid)
+    rig = rigid.stretch()
     before, torque = rig.states[-1].q_rad, rig.outcomes[-1].applied_tau_nm
     outcome = rig.run(1, enable_held=False)
     rig.goal = np.full(3, 1.2)
     assert np.abs(outcome.applied_tau_nm - torque).max() < 0.02
     rig.run(500)
     assert np.abs(rig.states[-1].q_rad - before).max() < np.deg2rad(1.0)
-
-
-@pytest.mark.parametrize("held_by", ["active", "hold"])
-def test_a_stretch_that_is_held_for_three_seconds_is_lowered_slowly(rigid: Any, held_by: str) -> None:
-    rig = stretch(rigid)
-    start = rig.states[-1]
-    assert rig.outcomes[-1].load_share > 0.5
-    if held_by == "hold":
-        rig.run(1, enable_held=False)
-    rig.run(2000)
-    assert rig.causes() == (["enable-released"] if held_by == "hold" else [])
-    rig.run(1500)
-    assert rig.causes()[-1] == "held-stretch"
-    rig.run(3000)
-    assert rig.supervisor.state is SafetyState.HOLD
-    assert rig.outcomes[-1].load_share < 0.15
-    assert np.all(rig.states[-1].q_rad > start.q_rad + np.deg2rad(5.0)), "it gave way towards flexion"
-    speeds = np.rad2deg(np.abs([state.dq_rad_s for state in rig.states[-5000:]]).max())
-    assert speeds <= 21.0
-
-
-def test_a_stretch_by_feed_forward_alone_is_lowered_too(rigid: Any) -> None:
-    """Without stiffness no posture holds the hand open: the torque itself has to fade."""
-    rig = rigid.Rig(ramp_s=0.05, **OPEN_SPASTIC)
-    rig.go_active()
-    torque = np.zeros(3)
-
-    def push(request: Any) -> Any:
-        torque[1] = max(torque[1] - 0.001, -0.12)
-        return dataclasses.replace(
-            request, stiffness_nm_rad=np.zeros(3), damping_nms_rad=np.full(3, 0.05), tau_ff_nm=torque.copy()
-        )
-
-    rig.change = push
-    rig.run(1500)
-    assert rig.outcomes[-1].load_share > 0.7
-    rig.run(1, pain=True)
-    rig.run(3000)
-    assert rig.causes() == ["pain"]
-    assert rig.outcomes[-1].load_share < 0.15
 
 
 def test_hold_stands_still_even_from_motion(rigid: Any) -> None:
@@ -261,34 +163,12 @@ def test_loads_are_counted_anew_after_every_enable(rigid: Any) -> None:
     assert rig.causes() == []
 
 
-def test_a_stretch_is_not_held_against_a_moving_path(rigid: Any) -> None:
-    """While the path moves, the time-out of the repetition bounds a blocked stretch, not this rule."""
-    rig = stretch(rigid)
-    rig.speed = np.full(3, np.deg2rad(-2.0))
-    rig.goal = rig.goal + 1.0
-    rig.law._stiffness = rig.law._stiffness * 0.0 + 1e-6
-    rig.run(4000)
-    assert "held-stretch" not in rig.causes()
-
-
 def test_pain_lowers_at_once(rigid: Any) -> None:
-    rig = stretch(rigid)
+    rig = rigid.stretch()
     rig.run(1, pain=True)
     rig.run(2500, pain=False)
     assert rig.causes() == ["pain"]
     assert rig.outcomes[-1].load_share < 0.15
-
-
-def test_finish_brakes_and_then_cuts_power_without_an_event(rigid: Any) -> None:
-    rig = stretch(rigid)
-    rig.supervisor.finish()
-    assert rig.cycle().powered
-    assert rig.hand.mode == "brake"
-    assert peak_speed_deg_s(rig, 5000) < 170.0
-    assert (rig.supervisor.state, rig.outcomes[-1].powered, rig.causes()) == (SafetyState.READY, False, [])
-    rig.supervisor.close()
-    assert rig.hand.log[-1] == "close"
-    assert rig.supervisor.state is SafetyState.OFF
 
 
 def test_a_caller_can_ask_for_a_stop(rigid: Any) -> None:
@@ -315,3 +195,53 @@ def test_write_before_read_is_refused(rigid: Any) -> None:
     rig.supervisor.start()
     with pytest.raises(Refused, match="call read before write"):
         rig.supervisor.write(None, rig.watch)
+
+
+@pytest.mark.parametrize("held_by", ["active", "hold"])
+def test_a_stretch_that_is_held_for_three_seconds_is_lowered_slowly(rigid: Any, held_by: str) -> None:
+    rig = rigid.stretch()
+    start = rig.states[-1]
+    assert rig.outcomes[-1].load_share > 0.5
+    if held_by == "hold":
+        rig.run(1, enable_held=False)
+    rig.run(2000)
+    assert rig.causes() == (["enable-released"] if held_by == "hold" else [])
+    rig.run(1500)
+    assert rig.causes()[-1] == "held-stretch"
+    rig.run(3000)
+    assert rig.supervisor.state is SafetyState.HOLD
+    assert rig.outcomes[-1].load_share < 0.15
+    assert np.all(rig.states[-1].q_rad > start.q_rad + np.deg2rad(5.0)), "it gave way towards flexion"
+    speeds = np.rad2deg(np.abs([state.dq_rad_s for state in rig.states[-5000:]]).max())
+    assert speeds <= 21.0
+
+
+def test_a_stretch_by_feed_forward_alone_is_lowered_too(rigid: Any) -> None:
+    """Without stiffness no posture holds the hand open: the torque itself has to fade."""
+    rig = rigid.Rig(ramp_s=0.05, **rigid.OPEN_SPASTIC)
+    rig.go_active()
+    torque = np.zeros(3)
+
+    def push(request: Any) -> Any:
+        torque[1] = max(torque[1] - 0.001, -0.12)
+        return dataclasses.replace(
+            request, stiffness_nm_rad=np.zeros(3), damping_nms_rad=np.full(3, 0.05), tau_ff_nm=torque.copy()
+        )
+
+    rig.change = push
+    rig.run(1500)
+    assert rig.outcomes[-1].load_share > 0.7
+    rig.run(1, pain=True)
+    rig.run(3000)
+    assert rig.causes() == ["pain"]
+    assert rig.outcomes[-1].load_share < 0.15
+
+
+def test_a_stretch_is_not_held_against_a_moving_path(rigid: Any) -> None:
+    """While the path moves, the time-out of the repetition bounds a blocked stretch, not this rule."""
+    rig = rigid.stretch()
+    rig.speed = np.full(3, np.deg2rad(-2.0))
+    rig.goal = rig.goal + 1.0
+    rig.law._stiffness = rig.law._stiffness * 0.0 + 1e-6
+    rig.run(4000)
+    assert "held-stretch" not in rig.causes()
