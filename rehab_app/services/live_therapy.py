@@ -19,10 +19,12 @@ from robot_iface.link import LiveSample, MotionClient
 from robot_iface.types import SafetyState
 
 _HELD = (SafetyState.HOLD, SafetyState.COMPLIANT)
+_RUNNING = (SafetyState.RAMP_IN, SafetyState.ACTIVE)
 _STOPPED = (SafetyState.CAT1, SafetyState.CAT0)
 _SUPERVISOR = "the safety supervisor"
 BEAT_S = 1.0 / 30.0
 OPERATOR_SILENCE_S = 1.0
+RESUME_WAIT_S = 3.0
 
 
 class TherapyJob:
@@ -54,6 +56,7 @@ class TherapyJob:
         self._done = threading.Event()
         self._heard_s = time.monotonic()
         self._last_ns = -1
+        self._resume_until_s = 0.0
         self._hand = WornHand(prepared.geometry, prepared.plan.path.joint_names, 0.0)
 
     def stop(self) -> None:
@@ -82,13 +85,15 @@ class TherapyJob:
         self._board.update(paused=True, message=message)
 
     def resume(self) -> None:
-        """Go on; out of a hold, a person who is present clears it first and enables anew."""
+        """Go on; out of a hold, a person who is present clears it first and enables anew.
+
+        A hold is cleared only once the hand rests, so the order stands for a few seconds until it does.
+        """
         self.hear_operator()
-        if self._client is not None:
-            if self._client.live().safety_state in _HELD:
-                self._client.reset()
-            self._client.resume()
-        self._board.update(paused=False, message="Playing.")
+        client = self._client
+        if client is not None:
+            self._go_on(client)
+            self._resume_until_s = time.monotonic() + RESUME_WAIT_S
 
     def set_speed(self, speed: float) -> None:
         """Ask for another path speed."""
@@ -151,16 +156,31 @@ class TherapyJob:
             sample = client.live()
             if sample.safety_state in _STOPPED and not self._stopped:
                 self._latch(_SUPERVISOR)
-            self._say_held(sample)
+            self._say_held(client, sample)
             self._draw(sample)
 
-    def _say_held(self, sample: LiveSample) -> None:
-        """Tell the page of a hold that the motion process entered by itself."""
-        if sample.safety_state not in _HELD or self._board.snapshot.paused:
-            return
-        silent = time.monotonic() - self._heard_s > OPERATOR_SILENCE_S
-        why = "the operator's page fell silent" if silent else "a safety rule asked for it"
-        self._board.update(paused=True, message=f"Held: {why}. Look at the patient, then press Resume.")
+    def _go_on(self, client: MotionClient) -> None:
+        if client.live().safety_state in _HELD:
+            client.reset()
+        client.resume()
+
+    def _say_held(self, client: MotionClient, sample: LiveSample) -> None:
+        """Tell the page whether the path is held, and carry out a resume that waits for the hand to rest."""
+        state, paused = sample.safety_state, self._board.snapshot.paused
+        if self._resume_until_s:
+            if state in _RUNNING:
+                self._resume_until_s = 0.0
+                self._board.update(paused=False, message="Playing.")
+            elif time.monotonic() > self._resume_until_s:
+                self._resume_until_s = 0.0
+                self._board.update(paused=True, message="Still held: wait until the hand rests, then resume.")
+            else:
+                self._go_on(client)
+        elif state in _HELD and not paused:
+            silent = time.monotonic() - self._heard_s > OPERATOR_SILENCE_S
+            why = "the operator's page fell silent" if silent else "a safety rule asked for it"
+            message = f"Held: {why}. Look at the patient, then press Resume."
+            self._board.update(paused=True, message=message)
 
     def _draw(self, sample: LiveSample) -> None:
         """Publish what the motion process measured since the last picture."""

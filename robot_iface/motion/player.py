@@ -72,6 +72,7 @@ class PathPlayer:
         self._input.target_acceleration = [0.0]
         self._state = PathState(0.0, 0.0, 0.0, False)
         self._paused = False
+        self._rested = False
         self._speed = speed
         self.request_speed(speed)
         self.rewind()
@@ -96,6 +97,7 @@ class PathPlayer:
     def pause(self) -> None:
         """Come to rest on the path as fast as the limits of path acceleration and jerk allow."""
         self._paused = True
+        self._rested = False
         self._input.control_interface = ControlInterface.Velocity
 
     def resume(self) -> None:
@@ -122,7 +124,7 @@ class PathPlayer:
 
     def step(self) -> PathState:
         """Advance by one control period."""
-        if self._state.at_end:
+        if self._state.at_end or (self._paused and self._rested):  # rest is exact: no rounding creeps on
             return self._state
         if self.fault:
             self._state = self._brake()
@@ -136,7 +138,8 @@ class PathPlayer:
             self.fault = str(result)
             return self.step()
         self._output.pass_to_input(self._input)
-        self._state = self._read(result == Result.Finished)
+        self._rested = result == Result.Finished
+        self._state = self._read(self._rested)
         return self._state
 
     def _read(self, finished: bool) -> PathState:
