@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
+
 from rehab_app.access import Account, require
 from rehab_app.errors import Refused
 from rehab_app.services.audit import Audit
 from sessions.catalogue import Catalogue, Patient
 from sessions.records import SIDES, Side
+
+LONGEST_NAME = 80
 
 
 class Patients:
@@ -67,6 +71,10 @@ class Patients:
                 "0.10 to 0.26 m",
                 "measure wrist crease to middle fingertip",
             )
+        for part, name in (("given name", given_name), ("family name", family_name)):
+            _check_name(part, name.strip())
+        if birth_date.strip() > datetime.now(UTC).date().isoformat():
+            raise Refused("birth date", birth_date.strip(), "today or before", "correct it")
         patient = self._catalogue.add_patient(
             Patient(
                 given_name=given_name.strip(),
@@ -79,6 +87,19 @@ class Patients:
         )
         self._audit.note(actor, "add patient", patient.id)
         return patient
+
+
+def _check_name(part: str, name: str) -> None:
+    """Refuse a name that no screen can show.
+
+    Raises:
+        Refused: It is too long, or holds characters that do not print.
+    """
+    if len(name) > LONGEST_NAME or not (name.isprintable() or not name):
+        value = f"{len(name)} characters" if name.isprintable() else "not printable"
+        raise Refused(
+            f"patient's {part}", value, f"at most {LONGEST_NAME} printable characters", "shorten it"
+        )
 
 
 def side_named(name: str) -> Side:

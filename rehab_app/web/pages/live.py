@@ -11,6 +11,7 @@ from rehab_app.errors import Refused
 from rehab_app.web.live_state import live_state
 from rehab_app.web.visit import Visit
 from rehab_app.web.words import EXERCISES, MODES, TWINS
+from sessions.records import DIGITS
 
 _SECONDS = ("recording length", "a number of seconds")
 
@@ -116,8 +117,13 @@ def speed(visit: Visit) -> Response:
 
 def pain(visit: Visit) -> Response:
     """Pain, by one tap: the run holds."""
-    visit.site.clinic.live.pain(visit.account, visit.asked("digit"))
-    return visit.go("/live", "Pain is noted, the movement is held.")
+    digit = visit.asked("digit")
+    if digit and digit not in DIGITS:
+        raise Refused("digit", repr(digit[:20]), "one of " + ", ".join(DIGITS), "choose it from the list")
+    desk = visit.site.clinic.live
+    held = desk.snapshot().state == "playing"
+    desk.pain(visit.account, digit)
+    return visit.go("/live", "Pain is noted, the movement is held." if held else "Pain is noted.")
 
 
 def _take(visit: Visit) -> str:

@@ -83,3 +83,15 @@ def test_every_verb_left_a_row_without_a_name_of_a_patient(clinic):
     assert [row.verb for row in reversed(rows)] == ["add user", "sign in", "add patient"]
     assert clinic.catalogue.verify_audit() == 3
     assert not any("Lovelace" in row.detail + row.subject or "Ada" in row.detail for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("given_name", "x" * 81), ("family_name", "a\x00b"), ("birth_date", "2190-01-01")],
+)
+def test_a_patient_that_no_screen_can_show_or_no_clinic_can_have_is_refused(clinic, field, value):
+    person = {"given_name": "Test", "family_name": "Person", "birth_date": "1957-03-14", "side": "left"}
+    clinic.patients.add(THERAPIST, **person)
+    with pytest.raises(Refused, match=field.replace("_", " ")):
+        clinic.patients.add(THERAPIST, **(person | {field: value}))
+    assert len(clinic.patients.list()) == 1
