@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from robot_iface.control.assist import free_ahead
 from robot_iface.control.gains import Gains
 from robot_iface.motion import Setpoint
 from robot_iface.types import CommandMode, DeviceCommand, DeviceState, Float64, Limits
@@ -38,8 +37,6 @@ class ImpedanceLaw:
         tau_ff_nm: Float64,
         ramp: float,
         seq: int,
-        *,
-        only_behind: bool = False,
     ) -> DeviceCommand:
         """The request of one tick.
 
@@ -50,7 +47,6 @@ class ImpedanceLaw:
             tau_ff_nm: Feed-forward torque, (J,).
             ramp: 0 to 1, from ``Supervisor.ramp``: gains and feed-forward rise with it.
             seq: Number of the command.
-            only_behind: Assistive: no help along the path while the patient is ahead (soft stop from 15 deg).
 
         Returns:
             An impedance command.
@@ -58,8 +54,6 @@ class ImpedanceLaw:
         share = multiple * ramp
         stiffness: Float64 = self._stiffness * share
         error = setpoint.q_rad - state.q_rad
-        if only_behind:
-            error = free_ahead(error, setpoint.dq_rad_s)
         reach = self._spring_nm / (stiffness + _SMALL_NM_RAD)
         error = np.minimum(np.maximum(error, -reach), reach)
         return DeviceCommand(

@@ -197,7 +197,7 @@ function lag() {
   if (now.frame !== sentFrame) { sentFrame = now.frame; sentChangedAt = clock; }
   const moving = now.state === "playing" && !now.paused && clock - sentChangedAt < 500;
   if (clock - answeredAt > 1000) return clock - answeredAt;
-  return mark && moving ? clock - shownChangedAt : 0;
+  return moving ? clock - shownChangedAt : 0; // a picture that never came is as old as this page
 }
 
 function tick() {
