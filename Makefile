@@ -8,7 +8,7 @@ DEV_STAMP := $(VENV)/.installed-dev
 PYTEST := $(BIN)/python -m pytest
 WORKERS ?= 2
 
-.PHONY: demo test check bench examples tools clean
+.PHONY: demo test check bench bench-tracking examples tools clean
 
 demo: $(STAMP)
 	@$(BIN)/rehab-app demo --serve
@@ -24,6 +24,9 @@ check: $(DEV_STAMP)
 
 bench: $(DEV_STAMP)
 	$(PYTEST) -m bench -s tests/bench
+
+bench-tracking: $(DEV_STAMP)
+	$(PYTEST) -m bench -s tests/bench/test_tracking_bench.py tests/bench/tracking
 
 examples: $(STAMP)
 	$(BIN)/rehab-app demo --examples docs/examples
@@ -42,7 +45,7 @@ $(STAMP): pyproject.toml
 	@touch $@
 
 $(DEV_STAMP): $(STAMP)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,markerless,openni,realsense]'
 	@touch $@
 
 clean:

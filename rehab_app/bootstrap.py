@@ -11,6 +11,7 @@ from rehab_app.config import resolve_folder
 from rehab_app.errors import Refused
 from rehab_app.services.accounts import Accounts
 from rehab_app.services.audit import Audit
+from rehab_app.services.calibrations import Calibrations, Hands
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.lease import ServerLease
 from rehab_app.services.live import LiveDesk
@@ -39,7 +40,8 @@ def open_clinic(folder: Path | None = None, serving: bool = False) -> Clinic:
     lease = ServerLease(place.lease) if serving else None
     catalogue = Catalogue.open(place.root)
     audit = Audit(catalogue)
-    takes = Takes(place, catalogue, audit)
+    calibrations, hands = Calibrations(catalogue, audit), Hands(catalogue, audit)
+    takes = Takes(place, catalogue, audit, calibrations, hands)
     therapy = Therapy(place, catalogue, takes, audit)
     sessions = Sessions(place, catalogue)
     audit.start()
@@ -50,6 +52,8 @@ def open_clinic(folder: Path | None = None, serving: bool = False) -> Clinic:
         audit=audit,
         accounts=Accounts(catalogue, audit),
         patients=Patients(catalogue, audit),
+        calibrations=calibrations,
+        hands=hands,
         takes=takes,
         therapy=therapy,
         sessions=sessions,

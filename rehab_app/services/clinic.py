@@ -8,6 +8,7 @@ from types import TracebackType
 
 from rehab_app.services.accounts import Accounts
 from rehab_app.services.audit import Audit
+from rehab_app.services.calibrations import Calibrations, Hands
 from rehab_app.services.lease import ServerLease
 from rehab_app.services.live import LiveDesk
 from rehab_app.services.patients import Patients
@@ -29,6 +30,8 @@ class Clinic:
         audit: The audit.
         accounts: Who may sign in.
         patients: Patients.
+        calibrations: Calibrated cameras.
+        hands: Calibrated hands of persons.
         takes: Recorded demonstrations.
         therapy: Plan, rehearse, play.
         sessions: Recorded therapy sessions.
@@ -43,6 +46,8 @@ class Clinic:
     audit: Audit
     accounts: Accounts
     patients: Patients
+    calibrations: Calibrations
+    hands: Hands
     takes: Takes
     therapy: Therapy
     sessions: Sessions

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from sessions.catalogue.calibrations import Calibrations
 from sessions.catalogue.engine import open_engine
 from sessions.catalogue.people import People
 from sessions.catalogue.takes import Takes
@@ -16,8 +17,8 @@ from sessions.errors import Refused
 FILE = "clinic.sqlite3"
 
 
-class Catalogue(People, Takes, Therapy, Trail):
-    """Users, patients, exercises, takes, approvals, prescriptions, therapy sessions and the audit."""
+class Catalogue(People, Takes, Therapy, Calibrations, Trail):
+    """Users, patients, exercises, takes, approvals, orders, sessions, cameras, hands and the audit."""
 
     @classmethod
     def open(cls, folder: Path, url: str = "", clock_ns: Callable[[], int] = time.time_ns) -> Catalogue:

@@ -190,6 +190,54 @@ class TherapySession:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class CameraCalibration:
+    """One version of a camera's calibration.
+
+    Attributes:
+        id: Number in the catalogue, 0 before it is added.
+        digest: SHA-256 that sessions store.
+        camera: Id of the camera, such as ``webcam:0``.
+        verdict: What it is worth, in one word.
+        content: The calibration itself, JSON.
+        created_utc_ns: When it was added.
+    """
+
+    id: int = 0
+    digest: str
+    camera: str
+    verdict: str
+    content: str
+    created_utc_ns: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hand:
+    """One version of a person's calibrated hand.
+
+    Attributes:
+        id: Number in the catalogue, 0 before it is added.
+        person: Pseudonym of a patient or therapist; never a name.
+        side: Side of the hand.
+        protocol: Name of the marker protocol that it wore.
+        content: The hand itself, JSON.
+        created_utc_ns: When it was added.
+    """
+
+    id: int = 0
+    person: str
+    side: Side
+    protocol: str
+    content: str
+    created_utc_ns: int = 0
+
+    def __post_init__(self) -> None:
+        if self.side not in SIDES:
+            raise Refused("side of the hand", repr(self.side), "left or right", "name the side of the hand")
+        if not self.person.strip():
+            raise Refused("person of the hand", "nobody", "a pseudonym", "name the person with --subject")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class AuditRow:
     """One entry of the audit; each carries the hash of the one before it.
 

@@ -110,6 +110,30 @@ class TherapySessionRow(Table):
     started_utc_ns: Mapped[int] = mapped_column(BigInteger)
 
 
+class CameraCalibrationRow(Table):
+    """Calibrations of cameras; a version is never changed."""
+
+    __tablename__ = "camera_calibrations"
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    digest: Mapped[str] = mapped_column(String(64), unique=True)
+    camera: Mapped[str] = mapped_column(String(200), index=True)
+    verdict: Mapped[str] = mapped_column(String(20))
+    content: Mapped[str] = mapped_column(Text)
+    created_utc_ns: Mapped[int] = mapped_column(BigInteger)
+
+
+class HandRow(Table):
+    """Calibrated hands of patients and therapists; a version is never changed."""
+
+    __tablename__ = "hands"
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    person: Mapped[str] = mapped_column(String(60), index=True)
+    side: Mapped[str] = mapped_column(String(5))
+    protocol: Mapped[str] = mapped_column(String(120))
+    content: Mapped[str] = mapped_column(Text)
+    created_utc_ns: Mapped[int] = mapped_column(BigInteger)
+
+
 class AuditTableRow(Table):
     """The hash chain of what was done."""
 

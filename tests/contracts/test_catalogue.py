@@ -13,8 +13,10 @@ import pytest
 from sqlalchemy import create_engine, text
 
 from sessions.catalogue import (
+    CameraCalibration,
     Catalogue,
     Exercise,
+    Hand,
     Patient,
     PrescriptionRow,
     Take,
@@ -250,3 +252,40 @@ def test_two_catalogues_on_one_folder(catalogue: Catalogue, url: str, tmp_path: 
             catalogue.record_audit("one", "note", str(number))
             other.record_audit("two", "note", str(number))
         assert other.verify_audit() == 10
+
+
+def test_camera_calibrations_are_added_and_never_changed(catalogue: Catalogue) -> None:
+    first = catalogue.add_calibration(
+        CameraCalibration(digest=sha("1"), camera="webcam:0", verdict="usable", content="{}")
+    )
+    second = catalogue.add_calibration(
+        CameraCalibration(digest=sha("2"), camera="webcam:0", verdict="good", content="{}")
+    )
+    other = catalogue.add_calibration(
+        CameraCalibration(digest=sha("3"), camera="kinect:0", verdict="good", content="{}")
+    )
+    assert catalogue.calibrations("webcam:0") == (second, first)
+    assert catalogue.calibrations() == (other, second, first)
+    assert catalogue.calibrations("webcam:9") == ()
+    assert catalogue.add_calibration(replace(first, verdict="good", content="{1}")) == first
+    assert catalogue.calibration(sha("1")[:8]) == catalogue.calibration(sha("1")) == first
+    for wrong in (sha("4"), sha("1")[:5], "", "%" * 8):
+        with pytest.raises(Refused, match="unknown"):
+            catalogue.calibration(wrong)
+    with pytest.raises(Refused, match="64 hexadecimal digits"):
+        catalogue.add_calibration(replace(first, digest="short"))
+
+
+def test_hands_are_kept_newest_first(catalogue: Catalogue) -> None:
+    old = catalogue.add_hand(Hand(person="P-0001", side="right", protocol="thesis25", content="{}"))
+    new = catalogue.add_hand(replace(old, content="{1}"))
+    left = catalogue.add_hand(replace(old, side="left"))
+    catalogue.add_hand(replace(old, person="P-0002"))
+    assert catalogue.hands("P-0001") == (left, new, old)
+    assert catalogue.hands("P-0001", "right", "thesis25") == (new, old)
+    assert catalogue.hands("P-0001", "right", "fingertips5") == ()
+    assert old.created_utc_ns < new.created_utc_ns
+    with pytest.raises(Refused, match="side"):
+        replace(old, side="upper")
+    with pytest.raises(Refused, match="nobody"):
+        replace(old, person=" ")

@@ -8,7 +8,7 @@ from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from sqlalchemy import create_engine
 
-from sessions.catalogue import Catalogue
+from sessions.catalogue import Catalogue, User
 from sessions.catalogue.tables import Table
 from sessions.errors import Refused
 
@@ -48,3 +48,17 @@ def test_a_folder_that_is_a_file(tmp_path: Path) -> None:
     (tmp_path / "clinic").write_text("x")
     with pytest.raises(Refused, match="clinic folder"):
         Catalogue.open(tmp_path / "clinic")
+
+
+def test_a_data_base_of_the_first_release_keeps_its_content(tmp_path: Path) -> None:
+    with Catalogue.open(tmp_path) as catalogue:
+        added = catalogue.add_user(User(name="anna", role="therapist", password_hash="x"))
+    connection = sqlite3.connect(tmp_path / "clinic.sqlite3")
+    connection.executescript(
+        "DROP TABLE hands; DROP TABLE camera_calibrations; UPDATE alembic_version SET version_num = '0001';"
+    )
+    connection.close()
+    with Catalogue.open(tmp_path) as catalogue:
+        assert catalogue.users() == (added,)
+        assert catalogue.calibrations() == ()
+        assert catalogue.hands("P-0001") == ()
