@@ -23,16 +23,34 @@ class Frame:
     Attributes:
         t_capture_ns: Capture time, monotonic, ns.
         colour_bgr: Colour image, shape (H, W, 3).
-        depth_m: Depth along the optical axis, shape (H, W), m; 0 where the sensor saw none.
+        depth_m: Depth along the optical axis, shape (H, W), m; 0 where the sensor saw none. None of a
+            camera that has no depth.
         intrinsics: Camera of both images.
         dropped: Captures lost between the previous frame and this one.
     """
 
     t_capture_ns: int
     colour_bgr: Colour
-    depth_m: Depth
+    depth_m: Depth | None
     intrinsics: Intrinsics
     dropped: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Outage:
+    """A while in which an open camera gave no frame; it is still being waited for.
+
+    Attributes:
+        t_ns: When this is said, monotonic, ns.
+        reason: One sentence for a person, such as that the camera was unplugged and what to do.
+    """
+
+    t_ns: int
+    reason: str
+
+
+Capture = Frame | Outage
+"""What an open camera hands over: a frame, or the word that there is none."""
 
 
 class Camera(Protocol):
@@ -63,10 +81,19 @@ class Camera(Protocol):
         """Close the camera."""
         ...
 
-    def frames(self) -> Iterator[Frame]:
-        """Frames in the order of capture, strictly rising in time, without end while the camera is open.
+    @property
+    def has_depth(self) -> bool:
+        """Whether frames carry depth; without it only the direction of what is seen is known."""
+        ...
+
+    def frames(self) -> Iterator[Capture]:
+        """Captures in order, strictly rising in time.
+
+        A live camera goes on while it is open: when it is unplugged it hands over an ``Outage`` about twice a
+        second until it is back, and counts what was lost as ``dropped`` of the next frame. A recorded one
+        ends with its recording.
 
         Raises:
-            Refused: The camera is not open.
+            Refused: The camera is not open, or what it gives can never be used (one sentence says why).
         """
         ...

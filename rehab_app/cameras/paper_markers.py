@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rehab_app.cameras.frame import Colour
 from rehab_app.cameras.ray_cast import Box, Float32, SurfaceImage, ray_grid
@@ -39,13 +40,42 @@ class PlacedMarkers:
         return -np.einsum("mi,mi->m", self.normal, away)
 
 
+@dataclass(frozen=True, slots=True)
+class Papers:
+    """What the markers are made of, and what goes wrong with them.
+
+    Attributes:
+        disc_radius_m: Radius of each blue disc, shape (M,).
+        ring_radius_m: Radius of the white paper, that of the disc where there is no ring, shape (M,).
+        depth_error_m: By how much the depth at each is wrong, NaN where it has none, shape (M,).
+        shown: Whether each is there at all, shape (M,).
+    """
+
+    disc_radius_m: Float64
+    ring_radius_m: Float64
+    depth_error_m: Float64
+    shown: NDArray[np.bool_]
+
+
+def sound_papers(count: int) -> Papers:
+    """Whole markers of the usual size."""
+    disc, ring = np.full(count, DISC_RADIUS_M), np.full(count, RING_RADIUS_M)
+    return Papers(disc, ring, np.zeros(count), np.ones(count, dtype=np.bool_))
+
+
 def draw(
-    markers: PlacedMarkers, surface: SurfaceImage, colour: Colour, light: Float64, intrinsics: Intrinsics
+    markers: PlacedMarkers,
+    papers: Papers,
+    surface: SurfaceImage,
+    colour: Colour,
+    light: Float64,
+    intrinsics: Intrinsics,
 ) -> Float64:
     """Draw the markers over a surface, in place, far ones first.
 
     Args:
         markers: Where they are.
+        papers: What they are made of.
         surface: Skin; its depth is overwritten where a marker covers it.
         colour: Image of the surface's box, shape (h, w, 3); drawn into.
         light: Unit direction towards the light in the camera frame.
@@ -57,13 +87,14 @@ def draw(
     seen = np.zeros(len(markers.p_camera_m))
     facing = markers.facing()
     for index in np.argsort(-markers.p_camera_m[:, 2]):
-        if facing[index] > _EDGE_ON:
-            seen[index] = _draw_one(markers, int(index), surface, colour, light, intrinsics)
+        if facing[index] > _EDGE_ON and papers.shown[index]:
+            seen[index] = _draw_one(markers, papers, int(index), surface, colour, light, intrinsics)
     return seen
 
 
 def _draw_one(
     markers: PlacedMarkers,
+    papers: Papers,
     index: int,
     surface: SurfaceImage,
     colour: Colour,
@@ -72,7 +103,7 @@ def _draw_one(
 ) -> float:
     """Draw one marker; the share of its disc that the skin does not hide."""
     centre, normal = markers.p_camera_m[index], markers.normal[index]
-    box = _clipped(centre, surface.box, intrinsics)
+    box = _clipped(centre, float(papers.ring_radius_m[index]), surface.box, intrinsics)
     if box[1] <= box[0] or box[3] <= box[2]:
         return 0.0
     x, y = ray_grid(box, intrinsics)
@@ -84,21 +115,22 @@ def _draw_one(
         box[0] - surface.box[0] : box[1] - surface.box[0], box[2] - surface.box[2] : box[3] - surface.box[2]
     ]
     open_view = (z > 0) & (z <= surface.depth_m[part] + _TUCK_M)
-    disc, paper = _coverage(radius, DISC_RADIUS_M), _coverage(radius, RING_RADIUS_M)
+    disc_m, ring_m = float(papers.disc_radius_m[index]), float(papers.ring_radius_m[index])
+    disc, paper = _coverage(radius, disc_m), _coverage(radius, ring_m)
     shade = 0.62 + 0.38 * max(float(normal @ light), 0.0)
     ink = disc[..., None] * _BLUE_BGR + (1.0 - disc[..., None]) * _WHITE_BGR
     share = (paper * open_view)[..., None]
     colour[part] = ((1.0 - share) * colour[part] + share * shade * ink + 0.5).astype(np.uint8)
     covered = open_view & (paper > 0.5)
-    surface.depth_m[part][covered] = z[covered]
-    return float(
-        (disc * open_view).sum() / max(_whole_disc_px(centre, markers.facing()[index], intrinsics), 1e-9)
-    )
+    error = papers.depth_error_m[index]
+    surface.depth_m[part][covered] = z[covered] + np.float32(error) if np.isfinite(error) else 0.0
+    whole = _whole_disc_px(centre, disc_m, float(markers.facing()[index]), intrinsics)
+    return float((disc * open_view).sum() / max(whole, 1e-9))
 
 
-def _whole_disc_px(centre: Float64, facing: float, intrinsics: Intrinsics) -> float:
+def _whole_disc_px(centre: Float64, disc_m: float, facing: float, intrinsics: Intrinsics) -> float:
     """Area of an unhidden disc in the image, px^2."""
-    return float(np.pi * DISC_RADIUS_M**2 * facing * intrinsics.fx_px * intrinsics.fy_px / centre[2] ** 2)
+    return float(np.pi * disc_m**2 * facing * intrinsics.fx_px * intrinsics.fy_px / centre[2] ** 2)
 
 
 def _coverage(radius: Float32, limit_m: float) -> Float32:
@@ -109,10 +141,10 @@ def _coverage(radius: Float32, limit_m: float) -> Float32:
     return share
 
 
-def _clipped(centre: Float64, whole: Box, intrinsics: Intrinsics) -> Box:
+def _clipped(centre: Float64, ring_m: float, whole: Box, intrinsics: Intrinsics) -> Box:
     """Image box of a marker within the box of the surface."""
     u, v = intrinsics.project(centre)
-    reach = 2.0 + 1.2 * RING_RADIUS_M * intrinsics.fx_px / centre[2]
+    reach = 2.0 + 1.2 * ring_m * intrinsics.fx_px / centre[2]
     return (
         max(int(v - reach), whole[0]),
         min(int(v + reach) + 2, whole[1]),

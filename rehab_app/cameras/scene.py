@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from rehab_app.cameras.paper_markers import PlacedMarkers
 from rehab_app.cameras.scripted_motion import OPEN_S, ScriptedMotion
 from rehab_app.cameras.skin import Capsules, hand_skin
+from rehab_app.geometry.view import View
 from rehab_app.hand.marker_model import MarkerModel
 from robot_iface.kinematics import forward
 from sessions.records.fields import Float64
@@ -41,6 +42,7 @@ class HandScene:
         sway_phase_rad: Phases of the sway: three sines for each of 3 shifts and 3 turns, shape (6, 3).
         p_camera_palm_m: Where the wrist is held, shape (3,).
         tilt_rad: By how much the fingers lean towards the camera; it keeps flexed fingers' backs in view.
+        roll_rad: By how much the held-up hand is turned about the line of sight.
     """
 
     worn: MarkerModel
@@ -48,13 +50,14 @@ class HandScene:
     sway_phase_rad: Float64
     p_camera_palm_m: Float64
     tilt_rad: float = _TILT_RAD
+    roll_rad: float = 0.0
 
     def at(self, t_s: float) -> PosedHand:
         """The scene ``t_s`` seconds after its start."""
         joints = self.motion.joints_at(np.array([t_s]))[0]
         frames = forward(self.worn.geometry, joints)
         shift, turn = self._sway(t_s)
-        rotation = Rotation.from_rotvec(turn).as_matrix() @ _tilted(self.tilt_rad) @ _UPRIGHT
+        rotation = Rotation.from_rotvec(turn).as_matrix() @ _held(self.tilt_rad, self.roll_rad) @ _UPRIGHT
         origin = self.p_camera_palm_m + shift
         points, normals = self.worn.positions(joints), self.worn.normals(joints)
         skin = hand_skin(self.worn.geometry, frames)
@@ -77,6 +80,20 @@ class HandScene:
         return ramp * sway.amplitude_m * waves[:3], ramp * sway.amplitude_rad * waves[3:]
 
 
+def seen_from(posed: PosedHand, view: View) -> PosedHand:
+    """The same instant in the frame of another camera."""
+    turn, origin = view.rotation_tracking_camera, view.p_tracking_camera_m
+    markers, skin = posed.markers, posed.skin
+    return PosedHand(
+        posed.joints_rad,
+        (posed.p_camera_palm_m - origin) @ turn,
+        turn.T @ posed.rotation_camera_palm,
+        (posed.landmarks_camera_m - origin) @ turn,
+        PlacedMarkers((markers.p_camera_m - origin) @ turn, markers.normal @ turn),
+        Capsules((skin.begin_m - origin) @ turn, (skin.end_m - origin) @ turn, skin.radius_m),
+    )
+
+
 def hand_scene(
     worn: MarkerModel,
     motion: ScriptedMotion,
@@ -89,6 +106,8 @@ def hand_scene(
     return HandScene(worn, motion, rng.uniform(0.0, 2.0 * np.pi, (6, 3)), where)
 
 
-def _tilted(angle_rad: float) -> Float64:
-    """Turn about the camera's x axis that brings the fingertips of a held-up hand nearer."""
-    return Rotation.from_rotvec([angle_rad, 0.0, 0.0]).as_matrix()
+def _held(tilt_rad: float, roll_rad: float) -> Float64:
+    """Turn about the camera's x axis that brings the fingertips of a held-up hand nearer, then about z."""
+    roll = Rotation.from_rotvec([0.0, 0.0, roll_rad]).as_matrix()
+    held: Float64 = roll @ Rotation.from_rotvec([tilt_rad, 0.0, 0.0]).as_matrix()
+    return held

@@ -63,6 +63,27 @@ class Sway:
 
 
 @dataclass(frozen=True, slots=True)
+class Tremor:
+    """A fine shaking of every joint, begun once the still second is over.
+
+    Attributes:
+        amplitude_rad: Peak of each joint's sine, rad.
+        rate_hz: Frequency of each joint, shape (21,).
+        phase_rad: Phase of each joint, shape (21,).
+    """
+
+    amplitude_rad: float
+    rate_hz: Float64
+    phase_rad: Float64
+
+    def at(self, t_s: Float64) -> Float64:
+        """Displacement of the joints at times (N,), shape (N, 21), rad."""
+        begun = np.clip(t_s - OPEN_S, 0.0, 1.0)[:, None]
+        turn = 2.0 * np.pi * self.rate_hz * t_s[:, None] + self.phase_rad
+        return self.amplitude_rad * begun * np.sin(turn)
+
+
+@dataclass(frozen=True, slots=True)
 class ScriptedMotion:
     """Joint angles over time by minimum jerk from one posture to the next.
 
@@ -71,6 +92,7 @@ class ScriptedMotion:
         t_s: Instants of the postures, rising, shape (K,).
         joints_rad: Postures at those instants, shape (K, 21).
         sway: Wandering of the whole hand.
+        tremor: Shaking of the joints, if any.
 
     Raises:
         Refused: Fewer than two postures, times that do not rise or values that are not finite.
@@ -80,6 +102,7 @@ class ScriptedMotion:
     t_s: Float64
     joints_rad: Float64
     sway: Sway = Sway()
+    tremor: Tremor | None = None
 
     def __post_init__(self) -> None:
         good = len(self.t_s) >= 2 and self.joints_rad.shape == (len(self.t_s), len(JOINTS))
@@ -103,7 +126,8 @@ class ScriptedMotion:
         share = (time - self.t_s[after - 1]) / (self.t_s[after] - self.t_s[after - 1])
         blend = (share**3 * (10.0 - 15.0 * share + 6.0 * share**2))[:, None]
         before = self.joints_rad[after - 1]
-        return before + blend * (self.joints_rad[after] - before)
+        smooth = before + blend * (self.joints_rad[after] - before)
+        return smooth if self.tremor is None else smooth + self.tremor.at(t_s)
 
 
 def posture(**angles_deg: float) -> Float64:

@@ -15,11 +15,14 @@ from types import TracebackType
 import numpy as np
 
 from rehab_app.cameras.frame import Frame
+from rehab_app.cameras.levels import Level
 from rehab_app.cameras.paper_markers import PlacedMarkers
+from rehab_app.cameras.picture_trouble import PictureTrouble
 from rehab_app.cameras.renderer import Renderer
-from rehab_app.cameras.scene import HandScene
+from rehab_app.cameras.scene import HandScene, seen_from
 from rehab_app.cameras.sensor import NoiseLevel
 from rehab_app.geometry.pinhole import KINECT, Intrinsics
+from rehab_app.geometry.view import PRIMARY, View
 from sessions.errors import Refused
 from sessions.records.fields import Float64
 
@@ -55,6 +58,7 @@ class VirtualCamera:
     """Renders a ``HandScene``; same scene, noise and seed give the same frames, bit for bit."""
 
     name = "virtual-camera"
+    has_depth = True
 
     def __init__(
         self,
@@ -66,6 +70,8 @@ class VirtualCamera:
         noise: NoiseLevel | None = None,
         intrinsics: Intrinsics = KINECT,
         start_ns: int = 0,
+        level: Level | None = None,
+        view: View = PRIMARY,
     ) -> None:
         """Set up the scene; nothing is drawn yet.
 
@@ -77,6 +83,9 @@ class VirtualCamera:
             noise: What the sensor adds; by default that of a good RGB-D camera.
             intrinsics: The pinhole camera.
             start_ns: Time of the first capture in simulated time (in real time it is the clock's).
+            level: What goes wrong in its pictures besides noise; nothing by default. Speed and depth of the
+                movement are the scene's.
+            view: Where it stands beside the camera in whose frame the scene is stated.
 
         Raises:
             Refused: The rate is not 1 to 240 Hz.
@@ -88,7 +97,11 @@ class VirtualCamera:
         self._realtime = realtime
         self._intrinsics = intrinsics
         self._start_ns = start_ns
-        self._renderer = Renderer(scene, noise or NoiseLevel(), intrinsics, seed)
+        self.view = view
+        self._trouble = None if level is None else _trouble(scene, level, seed, intrinsics, rate_hz, view)
+        self._renderer = Renderer(
+            scene, noise or NoiseLevel(), intrinsics, seed, view=view, trouble=self._trouble
+        )
         self._open = False
 
     @property
@@ -124,7 +137,7 @@ class VirtualCamera:
             raise Refused("camera", "closed", "open", "open it before asking for frames")
         index = 0
         while self._open:
-            dropped = self._wait(index)
+            dropped = self._wait(index) + self._lost(index)
             index += dropped
             yield self.frame(index, dropped)
             index += 1
@@ -139,8 +152,11 @@ class VirtualCamera:
         return self._start_ns + round(index * 1e9 / self._rate_hz)
 
     def truth(self, t_s: float) -> Truth:
-        """What is before the camera ``t_s`` seconds after the start."""
-        posed = self.scene.at(t_s)
+        """What is before the camera ``t_s`` seconds after the start, in its own frame.
+
+        A marker that a level takes out of the frame of that instant has nothing in view.
+        """
+        posed = self._renderer.at(t_s)
         return Truth(
             t_s,
             posed.joints_rad,
@@ -149,12 +165,19 @@ class VirtualCamera:
             posed.landmarks_camera_m,
             posed.markers,
             self._intrinsics.project(posed.markers.p_camera_m),
-            self._renderer.seen(posed),
+            self._renderer.seen(posed, round(t_s * self._rate_hz)),
         )
 
     def truth_joints_rad(self, t_s: Float64) -> Float64:
         """True joint angles at times (N,), shape (N, 21)."""
         return self.scene.motion.joints_at(np.asarray(t_s, np.float64))
+
+    def _lost(self, index: int) -> int:
+        """How many captures from ``index`` on never come."""
+        count = 0
+        while self._trouble is not None and self._trouble.dropped(index + count):
+            count += 1
+        return count
 
     def _wait(self, index: int) -> int:
         """Wait for a frame's time; the number of captures to skip when far behind."""
@@ -166,3 +189,18 @@ class VirtualCamera:
             return 0
         late = int(-ahead_s * self._rate_hz)
         return late if late >= _LATE_PERIODS else 0
+
+
+def _trouble(
+    scene: HandScene, level: Level, seed: int, intrinsics: Intrinsics, rate_hz: float, view: View
+) -> PictureTrouble:
+    """A level's troubles about the open hand, other ones for each camera."""
+    points = seen_from(scene.at(0.0), view).markers.p_camera_m
+    return PictureTrouble(
+        level,
+        seed * 64 + view.index,
+        intrinsics,
+        rate_hz,
+        intrinsics.project(points),
+        float(points[:, 2].mean()),
+    )

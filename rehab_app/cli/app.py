@@ -7,7 +7,9 @@ from typing import Annotated
 import typer
 
 from rehab_app import __version__
-from rehab_app.cli import demo, files, people, recording, serving, therapy
+from rehab_app.cli import demo, files, people, recording, serving, therapy, track
+from rehab_app.cli.calibration_files import calibrate
+from rehab_app.cli.camera import camera
 from rehab_app.cli.refusals import Commands
 
 app = typer.Typer(
@@ -40,6 +42,7 @@ app.command("serve")(serving.serve)
 app.command("doctor")(serving.doctor)
 app.command("import")(recording.import_)
 app.command("record")(recording.record)
+app.command("track")(track.track)
 app.command("approve")(recording.approve)
 app.command("rehearse")(therapy.rehearse)
 app.command("play")(therapy.play)
@@ -47,5 +50,7 @@ app.command("report")(files.report)
 app.command("info")(files.info)
 app.command("verify")(files.verify)
 app.command("recover")(files.recover)
+app.add_typer(calibrate, name="calibrate")
+app.add_typer(camera, name="camera")
 app.add_typer(people.patient, name="patient")
 app.add_typer(people.user, name="user")

@@ -1,5 +1,6 @@
 """Frozen record types, the vocabulary of the hand, and the table of topics."""
 
+from sessions.records.camera import CameraCalibration, ColourImage, DepthImage
 from sessions.records.fields import ROWS, Column, columns_of
 from sessions.records.hand import HandPose, JointStates, MarkerFrame, Status, Transforms
 from sessions.records.header import FORMAT_VERSION, SessionHeader
@@ -37,7 +38,10 @@ __all__ = [
     "ROWS",
     "SIDES",
     "TOPICS",
+    "CameraCalibration",
+    "ColourImage",
     "Column",
+    "DepthImage",
     "Event",
     "HandPose",
     "JointStates",

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 Float64: TypeAlias = NDArray[np.float64]
 Int64: TypeAlias = NDArray[np.int64]
 UInt8: TypeAlias = NDArray[np.uint8]
-Scalar = Literal["float64", "float32", "int64", "uint8", "string"]
+UInt16: TypeAlias = NDArray[np.uint16]
+Scalar = Literal["float64", "float32", "int64", "uint8", "uint16", "string"]
 
 ROWS = -1
 """A dimension that varies from record to record (markers in a frame, ticks in a block)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from sessions.records import hand, therapy
+from sessions.records import camera, hand, therapy
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,12 +17,14 @@ class Topic:
         record: Type of every record on it.
         version: Version of that type's layout.
         schema: Name of the protobuf schema in the file.
+        needs_consent: Whether its records are images of people, which only consent admits to a file.
     """
 
     name: str
     record: type[Any]
     version: int
     schema: str
+    needs_consent: bool = False
 
 
 TRANSFORMS = Topic("/tf", hand.Transforms, 1, "foxglove.FrameTransforms")
@@ -35,6 +37,9 @@ PHASE = Topic("/therapy/phase", therapy.TherapyPhase, 1, "rehab.TherapyPhase")
 ROBOT_STATE = Topic("/robot/state", therapy.RobotStateBlock, 1, "rehab.RobotStateBlock")
 ROBOT_COMMAND = Topic("/robot/command", therapy.RobotCommandBlock, 1, "rehab.RobotCommandBlock")
 EVENTS = Topic("/events", therapy.Event, 1, "rehab.Event")
+CAMERA_CALIBRATION = Topic("/camera/calibration", camera.CameraCalibration, 1, "foxglove.CameraCalibration")
+CAMERA_COLOUR = Topic("/camera/color", camera.ColourImage, 1, "foxglove.CompressedImage", needs_consent=True)
+CAMERA_DEPTH = Topic("/camera/depth", camera.DepthImage, 1, "foxglove.RawImage", needs_consent=True)
 
 TOPICS: dict[str, Topic] = {
     topic.name: topic
@@ -49,5 +54,8 @@ TOPICS: dict[str, Topic] = {
         ROBOT_STATE,
         ROBOT_COMMAND,
         EVENTS,
+        CAMERA_CALIBRATION,
+        CAMERA_COLOUR,
+        CAMERA_DEPTH,
     )
 }

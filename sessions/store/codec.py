@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any, Protocol
 
 from sessions.errors import Refused
-from sessions.records import JointStates, Topic, Transforms, columns_of
+from sessions.records import (
+    CameraCalibration,
+    ColourImage,
+    DepthImage,
+    JointStates,
+    Topic,
+    Transforms,
+    columns_of,
+)
 from sessions.records.fields import ROWS
 from sessions.store import wire
 from sessions.store.codec_foxglove import JointStatesCodec, TransformsCodec
+from sessions.store.codec_images import CalibrationCodec, ColourImageCodec, DepthImageCodec
 from sessions.store.columnfields import ColumnField
 from sessions.store.damage import Damaged
 from sessions.store.schema import ROWS_FIELD, needs_rows, schema_of
@@ -95,11 +104,17 @@ class TableCodec:
         return found, rows
 
 
+_PUBLISHED: dict[type[Any], Callable[[], Codec]] = {
+    Transforms: TransformsCodec,
+    JointStates: JointStatesCodec,
+    CameraCalibration: CalibrationCodec,
+    ColourImage: ColourImageCodec,
+    DepthImage: DepthImageCodec,
+}
+
+
 @cache
 def codec_for(topic: Topic) -> Codec:
     """The codec of a topic; Foxglove's schemas where one fits, else the table of columns."""
-    if topic.record is Transforms:
-        return TransformsCodec()
-    if topic.record is JointStates:
-        return JointStatesCodec()
-    return TableCodec(topic.record, topic.schema)
+    published = _PUBLISHED.get(topic.record)
+    return TableCodec(topic.record, topic.schema) if published is None else published()

@@ -39,6 +39,13 @@ def unwritable(partial: Path, error: OSError) -> Refused:
     )
 
 
+def without_consent(topic: str) -> Refused:
+    """An image for a session of a person who did not consent to images."""
+    return Refused(
+        f"image on {topic}", "without consent", "consented to", "ask for consent to images before recording"
+    )
+
+
 def empty(path: Path) -> Refused:
     """The file has no bytes."""
     return Refused(_name(path), "empty", _SESSION, "choose another file")

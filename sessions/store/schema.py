@@ -28,6 +28,13 @@ _TYPES = {
     "uint8": FieldDescriptorProto.TYPE_UINT32,
     "string": FieldDescriptorProto.TYPE_STRING,
 }
+_KINDS = {
+    "string": FieldDescriptorProto.TYPE_STRING,
+    "double": FieldDescriptorProto.TYPE_DOUBLE,
+    "bytes": FieldDescriptorProto.TYPE_BYTES,
+    "fixed32": FieldDescriptorProto.TYPE_FIXED32,
+}
+_STAMP = ("timestamp", ".google.protobuf.Timestamp")
 _MESSAGE_PATH = (4, 0)  # message_type[0] of a FileDescriptorProto; its fields lie under (4, 0, 2, index)
 
 
@@ -63,7 +70,7 @@ def schema_of(record_type: type[Any], schema_name: str) -> bytes:
 
 def foxglove_transforms() -> bytes:
     """FileDescriptorSet of ``foxglove.FrameTransforms``."""
-    transform = _message("FrameTransform", ("timestamp", ".google.protobuf.Timestamp"))
+    transform = _message("FrameTransform", _STAMP)
     for name in ("parent_frame_id", "child_frame_id"):
         _add(transform, name, "string")
     _add(transform, "translation", ".foxglove.Vector3")
@@ -83,9 +90,31 @@ def foxglove_joint_states() -> bytes:
         field.proto3_optional = True
         field.oneof_index = len(state.oneof_decl)
         state.oneof_decl.add(name=f"_{name}")
-    states = _message("JointStates", ("timestamp", ".google.protobuf.Timestamp"))
+    states = _message("JointStates", _STAMP)
     _add(states, "joints", ".foxglove.JointState", repeated=True)
     return _set(state, states)
+
+
+def foxglove_camera_calibration() -> bytes:
+    """FileDescriptorSet of ``foxglove.CameraCalibration``."""
+    sizes = (("width", "fixed32"), ("height", "fixed32"))
+    calibration = _message("CameraCalibration", _STAMP, *sizes, ("distortion_model", "string"))
+    for name in "DKRP":
+        _add(calibration, name, "double", repeated=True)
+    _add(calibration, "frame_id", "string")
+    return _set(calibration)
+
+
+def foxglove_compressed_image() -> bytes:
+    """FileDescriptorSet of ``foxglove.CompressedImage``."""
+    fields = (("data", "bytes"), ("format", "string"), ("frame_id", "string"))
+    return _set(_message("CompressedImage", _STAMP, *fields))
+
+
+def foxglove_raw_image() -> bytes:
+    """FileDescriptorSet of ``foxglove.RawImage``."""
+    sizes = (("width", "fixed32"), ("height", "fixed32"), ("encoding", "string"), ("step", "fixed32"))
+    return _set(_message("RawImage", _STAMP, *sizes, ("data", "bytes"), ("frame_id", "string")))
 
 
 def _label(column: Column) -> FieldDescriptorProto.Label.ValueType:
@@ -118,7 +147,7 @@ def _add(message: DescriptorProto, name: str, kind: str, *, repeated: bool = Fal
         field.type = FieldDescriptorProto.TYPE_MESSAGE
         field.type_name = kind
     else:
-        field.type = _TYPES["string"] if kind == "string" else _TYPES["float64"]
+        field.type = _KINDS[kind]
     return field
 
 

@@ -93,8 +93,11 @@ class SessionWriter:
         """Append one record; its own ``t_ns`` says when. Blocks are filed under their last tick.
 
         Raises:
-            Refused: The record does not fit its topic, its time does not fit the clock, or the disk is full.
+            Refused: The record does not fit its topic, is an image without consent, its time does not fit the
+                clock, or the disk is full.
         """
+        if topic.needs_consent and not self.header.consent_images:
+            raise refusals.without_consent(topic.name)
         first_ns, last_ns = times_of(topic, record)
         utc_ns = self._utc(last_ns)
         with self._lock:

@@ -31,7 +31,7 @@ for await (const record of reader.readMetadata()) {
 found.attachments = reader.attachmentIndexes.map((index) => index.name);
 for await (const message of reader.readMessages()) {
   const { topic, type } = types.get(message.channelId);
-  const decoded = type.toObject(type.decode(message.data), { longs: String, defaults: true });
+  const decoded = type.toObject(type.decode(message.data), { longs: String, bytes: String, defaults: true });
   found.counts[topic] = (found.counts[topic] ?? 0) + 1;
   found.first_log_time[topic] ??= message.logTime.toString();
   found.samples[topic] ??= decoded;

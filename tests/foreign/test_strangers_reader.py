@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import shutil
@@ -9,9 +10,13 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
+from rehab_app.cameras import Frame
+from rehab_app.geometry.pinhole import Intrinsics
+from rehab_app.recording.images import frame_records
 from sessions.records import FINGERTIPS, LANDMARKS, Event, SessionHeader, Transforms, columns_of
 from sessions.records.therapy import RobotStateBlock
 from sessions.records.topics import EVENTS, ROBOT_STATE, TRANSFORMS
@@ -49,6 +54,7 @@ def write_session(path: Path) -> None:
         software_version="0",
         utc_start_ns=UTC_NS,
         monotonic_start_ns=0,
+        consent_images=True,
     )
     turned = np.tile([1.0, 0.0, 0.0, 0.0], (len(LANDMARKS), 1))
     with SessionWriter(path, header) as writer:
@@ -66,7 +72,16 @@ def write_session(path: Path) -> None:
             writer.write(TRANSFORMS, frames)
             writer.write(ROBOT_STATE, block(t_ns))
         writer.write(EVENTS, event())
+        for topic, record in frame_records(picture(), calibration=True):
+            writer.write(topic, record)
         writer.seal()
+
+
+def picture() -> Frame:
+    """A blue image with a ramp of depth, 0 to 47 mm from top to bottom."""
+    colour = np.full((48, 64, 3), (200, 80, 20), np.uint8)
+    depth = np.repeat(np.arange(48, dtype=np.float32)[:, None] * 0.001, 64, axis=1)
+    return Frame(2_000_000, colour, depth, Intrinsics(50.0, 51.0, 31.5, 23.5, 64, 48))
 
 
 def block(t_ns: int) -> RobotStateBlock:
@@ -91,7 +106,8 @@ def test_a_stranger_finds_every_message(node: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
 
-    assert found["counts"] == {"/tf": FRAMES, "/robot/state": FRAMES, "/events": 1}
+    images = {"/camera/calibration": 1, "/camera/color": 1, "/camera/depth": 1}
+    assert found["counts"] == {"/tf": FRAMES, "/robot/state": FRAMES, "/events": 1} | images
     assert found["metadata"]["session"]["side"] == "right"
     assert found["metadata"]["session"]["exercise"] == "Faustschluß"
     assert found["attachments"] == ["overview"]
@@ -111,3 +127,19 @@ def test_a_stranger_finds_every_message(node: str, tmp_path: Path) -> None:
     assert robot["safety_state"] == [3] * 50
     assert robot["t_ns"][1] == "1000000"
     assert found["samples"]["/events"]["text"] == "Stop gedrückt."
+
+    lens = found["samples"]["/camera/calibration"]
+    assert (lens["width"], lens["height"], lens["distortion_model"]) == (64, 48, "plumb_bob")
+    assert lens["K"] == [50.0, 0.0, 31.5, 0.0, 51.0, 23.5, 0.0, 0.0, 1.0]
+    assert lens["P"][:4] == [50.0, 0.0, 31.5, 0.0]
+    assert (lens["D"], lens["R"]) == ([0.0] * 5, np.eye(3).ravel().tolist())
+
+    colour = found["samples"]["/camera/color"]
+    assert (colour["format"], colour["frame_id"]) == ("jpeg", "camera")
+    image = cv2.imdecode(np.frombuffer(base64.b64decode(colour["data"]), np.uint8), cv2.IMREAD_COLOR)
+    assert np.abs(image.astype(int) - picture().colour_bgr).max() <= 4
+
+    depth = found["samples"]["/camera/depth"]
+    assert (depth["encoding"], depth["width"], depth["height"], depth["step"]) == ("16UC1", 64, 48, 128)
+    pixels = np.frombuffer(base64.b64decode(depth["data"]), "<u2").reshape(48, 64)
+    assert (pixels == np.arange(48)[:, None]).all()

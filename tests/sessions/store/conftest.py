@@ -35,6 +35,8 @@ def _value(column: Column, rng: np.random.Generator) -> Any:
         values = rng.integers(-(2**62), 2**62, size=shape)
     if column.scalar == "uint8":
         values = rng.integers(0, 256, size=shape).astype(np.uint8)
+    if column.scalar == "uint16":
+        values = rng.integers(0, 65536, size=shape).astype(np.uint16)
     return values if shape else np.asarray(values).item()
 
 
