@@ -14,7 +14,7 @@ from sessions.errors import Refused
 from sessions.records.fields import Float64, Int64
 from sessions.records.names import FINGERS, LANDMARKS
 
-PROTOCOLS = ("thesis25", "mocap13", "mediapipe21", "fingertips5")
+PROTOCOLS = ("thesis25", "mocap13", "mediapipe21", "fingertips5", "finger_thumb8")
 """Names of the protocols that come with the application."""
 
 SEGMENTS: tuple[str, ...] = (
@@ -26,6 +26,10 @@ SEGMENTS: tuple[str, ...] = (
 
 _MOST_BYTES = 1 << 18
 _MOST_MARKERS = 64
+_FARTHEST_M = 0.1
+_FIELDS = ("name", "description", "noise_m", "size_std", "marker")
+_MARKER_FIELDS = ("name", "segment", "anchor", "offset_m", "offset_std_m", "colour", "links")
+_SMALL = (0.003, 0.003, 0.003)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +90,20 @@ class MarkerProtocol:
                 )
             if marker.anchor not in LANDMARKS:
                 raise Refused(f"{where}, {marker.name}", repr(marker.anchor), "anchored at a landmark", mend)
-            if not min(marker.offset_std_m) > 0:
-                raise Refused(f"{where}, {marker.name}", "surely placed", "of offset_std_m above 0", mend)
+            if not (min(marker.offset_std_m) > 0 and max(marker.offset_std_m) <= _FARTHEST_M):
+                raise Refused(
+                    f"{where}, {marker.name}, offset_std_m",
+                    str(list(marker.offset_std_m)),
+                    f"above 0 to {_FARTHEST_M} m",
+                    mend,
+                )
+            if not max(abs(edge) for edge in marker.offset_m) <= _FARTHEST_M:
+                raise Refused(
+                    f"{where}, {marker.name}, offset_m",
+                    str(list(marker.offset_m)),
+                    f"within {_FARTHEST_M} m of its landmark",
+                    f"{mend} (lengths are in metres)",
+                )
             for link in marker.links:
                 if link not in self.names:
                     raise Refused(
@@ -148,34 +164,74 @@ def load_protocol(name_or_path: str | Path) -> MarkerProtocol:
 
 
 def _parse(text: str, source: str) -> MarkerProtocol:
+    where = f"marker protocol {source}"
     table: dict[str, Any] = tomllib.loads(text)
-    try:
-        markers = tuple(_marker(row) for row in table["marker"])
-        return MarkerProtocol(
-            str(table["name"]),
-            str(table.get("description", "")),
-            markers,
-            float(table.get("noise_m", 0.002)),
-            float(table.get("size_std", 0.0)),
-        )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise Refused(
-            f"marker protocol {source}", f"without a usable {error}", "name and [[marker]] tables", "mend it"
-        ) from error
-
-
-def _marker(row: dict[str, Any]) -> Marker:
-    return Marker(
-        str(row["name"]),
-        str(row["segment"]),
-        str(row["anchor"]),
-        _triple(row.get("offset_m", (0.0, 0.0, 0.0))),
-        _triple(row.get("offset_std_m", (0.003, 0.003, 0.003))),
-        str(row.get("colour", "")),
-        tuple(str(link) for link in row.get("links", ())),
+    _known(table, _FIELDS, where)
+    rows: Any = table.get("marker")
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise Refused(where, "without markers", "a list of [[marker]] tables", "write one for each marker")
+    return MarkerProtocol(
+        _text(table, "name", where),
+        _text(table, "description", where, ""),
+        tuple(_marker(row, f"{where}, marker {number}") for number, row in enumerate(rows, 1)),
+        _number(table, "noise_m", where, 0.002),
+        _number(table, "size_std", where, 0.0),
     )
 
 
-def _triple(value: Any) -> tuple[float, float, float]:
-    x, y, z = (float(number) for number in value)
+def _marker(row: dict[str, Any], where: str) -> Marker:
+    if isinstance(row.get("name"), str):
+        where = f"{where} ({row['name']})"
+    _known(row, _MARKER_FIELDS, where)
+    links: Any = row.get("links", [])
+    if not isinstance(links, list):
+        raise Refused(f"{where}, links", repr(links), "a list of marker names", "mend the protocol file")
+    return Marker(
+        _text(row, "name", where),
+        _text(row, "segment", where),
+        _text(row, "anchor", where),
+        _triple(row, "offset_m", where, (0.0, 0.0, 0.0)),
+        _triple(row, "offset_std_m", where, _SMALL),
+        _text(row, "colour", where, ""),
+        tuple(str(link) for link in links),
+    )
+
+
+def _known(table: dict[str, Any], fields: tuple[str, ...], where: str) -> None:
+    """Refuse a field that would be ignored: most likely it is misspelt."""
+    for field in table:
+        if field not in fields:
+            raise Refused(where, f"with a field {field!r}", "of " + ", ".join(fields), "rename or remove it")
+
+
+def _text(table: dict[str, Any], field: str, where: str, default: str | None = None) -> str:
+    value: Any = table.get(field, default)
+    if not isinstance(value, str) or (default is None and not value.strip()):
+        met = "missing" if value is None else repr(value)
+        raise Refused(f"{where}, {field}", met, "a text in quotes", "mend the protocol file")
+    return value
+
+
+def _number(table: dict[str, Any], field: str, where: str, default: float) -> float:
+    return _finite(table.get(field, default), f"{where}, {field}")
+
+
+def _triple(
+    table: dict[str, Any], field: str, where: str, default: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    value: Any = table.get(field, default)
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        raise Refused(
+            f"{where}, {field}",
+            repr(value),
+            "three numbers: palmar, radial, distal",
+            "mend the protocol file",
+        )
+    x, y, z = (_finite(number, f"{where}, {field}") for number in value)
     return x, y, z
+
+
+def _finite(value: Any, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+        raise Refused(where, repr(value), "a finite number", "mend the protocol file")
+    return float(value)

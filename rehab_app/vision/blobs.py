@@ -1,15 +1,18 @@
-"""Blobs: connected pixels that are bluer than what surrounds them, with their sub-pixel centre and shape."""
+"""Blobs: connected pixels that stand out in colour, with their sub-pixel centre and shape."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from rehab_app.vision.contrast import Float32
-from sessions.records.fields import Float64, Int64
+from rehab_app.vision.components import Parts, connected_parts, joined_pixels
+from rehab_app.vision.contrast import Float32, Image, smoothed
+from sessions.records.fields import Float64
+
+_MOST = 400  # blobs looked at, the largest: a bad picture costs a bounded time
+_TRIMMED = 0.9  # what is left of a disc's axes once its blurred rim is off
+_RIM_SHARE = 0.34  # of a blob's strongest response, below which a pixel is its blurred rim
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,64 +20,94 @@ class Blobs:
     """Blobs of one image.
 
     Attributes:
+        parts: Their pixels.
+        mass: Weight of each of those pixels in its blob's centre, shape (P,).
         centre_px: Weighted centres u v, shape (B, 2).
         axes_px: Half axes of the ellipse with the same second moments, longer first, shape (B, 2).
+        long_axis: Unit direction of the longer one, shape (B, 2).
         area_px: Number of pixels, shape (B,).
-        box_px: First u, first v, width, height, shape (B, 4).
-        labels: Blob of each pixel counted from 1, 0 is none, shape (H, W).
-        number: Label of each blob, shape (B,).
     """
 
+    parts: Parts
+    mass: Float64
     centre_px: Float64
     axes_px: Float64
+    long_axis: Float64
     area_px: Float64
-    box_px: Int64
-    labels: NDArray[np.int32]
-    number: Int64
+
+    def __len__(self) -> int:
+        """Number of blobs."""
+        return self.parts.count
+
+    def rim_px(self, directions: int) -> Float64:
+        """From each centre to the rim of its disc, about the ellipse, shape (B, directions, 2)."""
+        angle = np.arange(directions) * (2.0 * np.pi / directions)
+        short_axis = np.stack([-self.long_axis[:, 1], self.long_axis[:, 0]], axis=1)
+        longer = self.axes_px[:, :1, None] * self.long_axis[:, None] * np.cos(angle)[:, None]
+        shorter = self.axes_px[:, 1:, None] * short_axis[:, None] * np.sin(angle)[:, None]
+        return (longer + shorter) / _TRIMMED
+
+    def mean_of(self, image: Image) -> Float64:
+        """Mean colour of each blob, image (H, W, C) to (B, C)."""
+        values = image[self.parts.row, self.parts.column].astype(np.float64)
+        sums = [
+            np.bincount(self.parts.owner, values[:, channel], len(self)) for channel in range(values.shape[1])
+        ]
+        return np.stack(sums, axis=1) / np.maximum(self.area_px, 1.0)[:, None]
 
 
-def find_blobs(
-    response: Float32, weight: Float32, threshold: float, area_px: tuple[float, float], limit: int = 400
-) -> Blobs:
-    """Connected parts of ``response`` above a threshold.
+def find_blobs(tint: Float32, contrast: Float32, threshold: float, area_px: tuple[float, float]) -> Blobs:
+    """Connected parts whose smoothed contrast is above a threshold, each less its faint rim.
+
+    What joins two markers is often faint beside both, and a disc in the shade is faint altogether: so the
+    threshold is low, and pixels that are faint beside their own part's peak are left out afterwards.
 
     Args:
-        response: Contrast that decides what belongs to a blob, shape (H, W).
-        weight: Non-negative weight of each pixel in the centre, shape (H, W).
+        tint: How much of the colour each pixel has; less the level about a blob it weighs its pixels by
+            how far ink covers them, shape (H, W).
+        contrast: Tint less that of the surround; it decides what belongs to a blob, shape (H, W).
         threshold: Lowest response in a blob.
         area_px: Smallest and largest area kept.
-        limit: Most blobs kept (the largest), so that a bad picture costs a bounded time.
     """
-    mask = (response > threshold).astype(np.uint8)
-    count, labels, table, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
-    stats = np.asarray(table, np.int64)
-    area = stats[:, cv2.CC_STAT_AREA]
-    kept = np.flatnonzero((area >= area_px[0]) & (area <= area_px[1]))
-    kept = kept[kept != 0]
-    if len(kept) > limit:
-        kept = np.sort(kept[np.argsort(-area[kept], kind="stable")[:limit]])
-    centre, axes = _moments(np.asarray(labels, np.int32), weight, int(count), kept)
-    return Blobs(
-        centre, axes, area[kept].astype(np.float64), stats[kept, :4], np.asarray(labels, np.int32), kept
-    )
+    response = smoothed(contrast)
+    parts = connected_parts(response > threshold)
+    strength = response[parts.row, parts.column]
+    peak = np.zeros(parts.count, dtype=np.float32)
+    np.maximum.at(peak, parts.owner, strength)
+    strong = strength > _RIM_SHARE * peak[parts.owner]
+    parts = joined_pixels(parts.row[strong], parts.column[strong])
+    area = np.bincount(parts.owner, minlength=parts.count)
+    kept = (area >= area_px[0]) & (area <= area_px[1])
+    if kept.sum() > _MOST:
+        kept &= area >= np.sort(area[kept])[-_MOST]
+    parts = parts.only(kept)
+    return measured(parts, _coverage(parts, tint, contrast))
 
 
-def _moments(labels: NDArray[np.int32], weight: Float32, count: int, kept: Int64) -> tuple[Float64, Float64]:
-    """Weighted centres (B, 2) and half axes (B, 2) of the kept labels."""
-    rows, columns = np.nonzero(labels)
-    label = labels[rows, columns]
-    mass = np.maximum(weight[rows, columns].astype(np.float64), 1e-6)
+def _coverage(parts: Parts, tint: Float32, contrast: Float32) -> Float64:
+    """Tint of each pixel above the mean level about its part, one level for all lest it tilt, shape (P,)."""
+    own = tint[parts.row, parts.column].astype(np.float64)
+    about = own - contrast[parts.row, parts.column]
+    count = np.maximum(np.bincount(parts.owner, minlength=parts.count), 1)
+    level = np.bincount(parts.owner, about, parts.count) / count
+    return np.maximum(own - level[parts.owner], 0.0)
 
-    u_px, v_px = columns.astype(np.float64), rows.astype(np.float64)
+
+def measured(parts: Parts, mass: Float64) -> Blobs:
+    """Centres and shapes of parts whose pixels have a mass (P,)."""
 
     def total(values: Float64) -> Float64:
-        return np.bincount(label, values, count)[kept].astype(np.float64)
+        return np.bincount(parts.owner, values, parts.count).astype(np.float64)
 
-    whole = total(mass)
-    u, v = total(mass * u_px) / whole, total(mass * v_px) / whole
-    uu = total(mass * u_px * u_px) / whole - u * u
-    vv = total(mass * v_px * v_px) / whole - v * v
-    uv = total(mass * u_px * v_px) / whole - u * v
+    weight = np.maximum(mass, 1e-6)
+    column, row = parts.column.astype(np.float64), parts.row.astype(np.float64)
+    whole = total(weight)
+    centre = np.stack([total(weight * column), total(weight * row)], axis=1) / whole[:, None]
+    du, dv = column - centre[parts.owner, 0], row - centre[parts.owner, 1]
+    uu, vv, uv = (total(weight * square) / whole for square in (du * du, dv * dv, du * dv))
     mean, spread = 0.5 * (uu + vv), np.sqrt(0.25 * (uu - vv) ** 2 + uv**2)
-    squares = np.stack([mean + spread, np.maximum(mean - spread, 0.0)], axis=1)
-    return np.stack([u, v], axis=1), 2.0 * np.sqrt(squares)
+    turn = 0.5 * np.arctan2(2.0 * uv, uu - vv)
+    axes = 2.0 * np.sqrt(np.stack([mean + spread, np.maximum(mean - spread, 0.0)], axis=1))
+    long_axis = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    area = np.bincount(parts.owner, minlength=parts.count).astype(np.float64)
+    return Blobs(parts, mass, centre, axes, long_axis, area)

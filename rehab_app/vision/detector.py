@@ -1,4 +1,4 @@
-"""From one frame to marker detections: local contrast, blobs, ring and size tests, depth, depth gate."""
+"""The detector by local contrast: blobs of the marker's colour, ring and size tests, depth."""
 
 from __future__ import annotations
 
@@ -7,13 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rehab_app.geometry.detections import Detections
+from rehab_app.geometry.detections import Detections, lifted
 from rehab_app.geometry.pinhole import Intrinsics
+from rehab_app.geometry.view import PRIMARY, View
 from rehab_app.vision.blobs import Blobs, find_blobs
-from rehab_app.vision.contrast import Image, centre_surround, chroma
-from rehab_app.vision.depth_lift import disc_depth
-from rehab_app.vision.ring import ring_share
+from rehab_app.vision.colour import ColourModel, named_colour, tint
+from rehab_app.vision.contrast import Image, over_surround
+from rehab_app.vision.depth_lift import disc_depth, supported
+from rehab_app.vision.likeness import likeness
+from rehab_app.vision.look import check_sizes, window_about, within_reach
+from rehab_app.vision.splitting import split_merged
 from sessions.records.fields import Float64
+
+_SURE = 0.6  # similarity of a blob that is kept as a ray though the depth image has a hole there
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,106 +28,119 @@ class DetectorSettings:
 
     Attributes:
         disc_radius_m: Radius of the coloured disc.
-        contrast: Lowest centre-surround contrast of chroma.
-        surround_px: Width of the surround, odd.
-        ring: Smallest share of directions in which the white ring is met.
-        depth_gate_m: Greatest distance in depth from the middle of all candidates.
+        contrast: Lowest centre-surround contrast of the tint; a whole disc in good light has .42.
+        surround_px: Width of the surround at a focal length of 525 px, odd.
+        colour: Smallest cosine between a blob's chroma and the ink's.
+        similarity: Smallest likeness kept.
+        depth_gate_m: Greatest distance in depth from the middle of the hand.
+        reach_m: Greatest distance from it across the line of sight.
         near_m: Nearest depth considered.
         far_m: Farthest depth considered.
         pixel_std_px: Standard deviation of a centre of a whole, frontal marker along one axis.
     """
 
     disc_radius_m: float = 0.006
-    contrast: float = 0.16
+    contrast: float = 0.09
     surround_px: int = 25
-    ring: float = 0.3
+    colour: float = 0.6
+    similarity: float = 0.1
     depth_gate_m: float = 0.16
+    reach_m: float = 0.20
     near_m: float = 0.25
     far_m: float = 2.0
     pixel_std_px: float = 0.08
 
 
-class MarkerDetector:
-    """Finds blue discs in white rings. Knows nothing of earlier frames but where to look, if told."""
+class ContrastDetector:
+    """Finds coloured discs in white rings. Knows nothing of earlier frames but where to look, if told.
 
-    def __init__(self, settings: DetectorSettings | None = None) -> None:
+    Args:
+        colour: Colour of the discs; blue if None.
+        settings: What a marker looks like.
+    """
+
+    def __init__(self, colour: ColourModel | None = None, settings: DetectorSettings | None = None) -> None:
+        self._colour = colour or named_colour("blue")
         self._settings = settings or DetectorSettings()
 
     def detect(
         self,
         t_capture_ns: int,
         colour_bgr: Image,
-        depth_m: NDArray[np.float32],
+        depth_m: NDArray[np.float32] | None,
         intrinsics: Intrinsics,
         around_m: Float64 | None = None,
+        view: View = PRIMARY,
     ) -> Detections:
-        """Markers in one frame.
-
-        Args:
-            t_capture_ns: Capture time, ns.
-            colour_bgr: Colour image, shape (H, W, 3).
-            depth_m: Depth image, shape (H, W).
-            intrinsics: Camera of both.
-            around_m: Points in the camera frame about which to look (with a wide margin), shape (K, 3); the
-                whole image if None.
-        """
-        top, left, bottom, right = self._window(around_m, intrinsics)
+        """Markers in one frame; see ``Detector.detect``."""
+        check_sizes(colour_bgr, depth_m, intrinsics)
+        top, left, bottom, right = window_about(around_m, intrinsics)
         part = np.s_[top:bottom, left:right]
-        colour, depth = colour_bgr[part], depth_m[part]
-        tint = chroma(colour)
-        response = centre_surround(tint, 3, self._settings.surround_px)
-        areas = self._areas(intrinsics)
-        blobs = find_blobs(response, np.clip(tint - 0.08, 0.0, None), self._settings.contrast, areas)
-        depth_b, depth_std = disc_depth(blobs, depth)
-        size, similarity = self._likeness(blobs, depth_b, colour, tint, intrinsics)
-        keep = self._gate(depth_b, similarity)
-        pixel = blobs.centre_px[keep] + np.array([left, top])
-        std = self._settings.pixel_std_px * (1.0 + 8.0 * np.maximum(1.0 - size[keep], 0.0))
-        return Detections(
-            t_capture_ns,
-            pixel,
-            intrinsics.lift(pixel, depth_b[keep]),
-            intrinsics.lift_covariance(pixel, depth_b[keep], std, depth_std[keep]),
-            similarity[keep],
+        colour, depth = colour_bgr[part], None if depth_m is None else depth_m[part]
+        surround = 2 * round(0.5 * self._settings.surround_px * intrinsics.fx_px / 525.0 - 0.5) + 1
+        tinted = tint(colour, self._colour)
+        blobs = find_blobs(
+            tinted, over_surround(tinted, surround), self._settings.contrast, self._areas(intrinsics)
         )
-
-    def _window(self, around_m: Float64 | None, intrinsics: Intrinsics) -> tuple[int, int, int, int]:
-        """First row, first column, row after the last, column after the last of the part to look at."""
-        whole = (0, 0, intrinsics.height_px, intrinsics.width_px)
-        if around_m is None or not len(around_m) or not bool((around_m[:, 2] > 0.1).all()):
-            return whole
-        pixel = intrinsics.project(around_m)
-        margin = 0.06 * intrinsics.fx_px / float(np.median(around_m[:, 2]))
-        low, high = np.floor(pixel.min(axis=0) - margin), np.ceil(pixel.max(axis=0) + margin)
-        left, right = (int(np.clip(edge, 0, whole[3])) for edge in (low[0], high[0]))
-        top, bottom = (int(np.clip(edge, 0, whole[2])) for edge in (low[1], high[1]))
-        return (top, left, bottom, right) if right - left > 40 and bottom - top > 40 else whole
+        blobs, away, away_std, borne = self._lifted(blobs, depth, intrinsics)
+        expected = self._expected_px(away, intrinsics)
+        like = likeness(blobs, colour, self._colour, expected, borne, colour=self._settings.colour)
+        pixel = blobs.centre_px + np.array([left, top])
+        keep = self._kept(pixel, away, like.similarity, intrinsics, has_depth=depth is not None)
+        std = self._settings.pixel_std_px * (1.0 + 8.0 * np.maximum(1.0 - like.size[keep], 0.0))
+        return lifted(
+            t_capture_ns,
+            pixel[keep],
+            away[keep],
+            intrinsics,
+            pixel_std_px=std,
+            depth_std_m=away_std[keep],
+            similarity=like.similarity[keep],
+            view=view,
+        )
 
     def _areas(self, intrinsics: Intrinsics) -> tuple[float, float]:
         """Smallest and largest area of a blob that could be a marker at any depth considered, px^2."""
         radius = self._settings.disc_radius_m * intrinsics.fx_px
         return 5.0, 4.0 * np.pi * (radius / self._settings.near_m) ** 2
 
-    def _likeness(
-        self, blobs: Blobs, depth_m: Float64, colour: Image, tint: NDArray[np.float32], intrinsics: Intrinsics
-    ) -> tuple[Float64, Float64]:
-        """Size likeness and similarity of each blob, both (B,), 0 to 1.
+    def _expected_px(self, depth_m: Float64, intrinsics: Intrinsics) -> Float64:
+        """Half axis of a whole disc at some depths, px."""
+        return self._settings.disc_radius_m * intrinsics.fx_px / depth_m
 
-        A disc keeps the length of its longer axis however it is turned: shorter means partly hidden, longer
-        means two markers in one blob.
-        """
-        expected = self._settings.disc_radius_m * intrinsics.fx_px / depth_m
-        ratio = blobs.axes_px[:, 0] / expected
-        size = np.exp(-((np.log(np.maximum(ratio, 1e-3)) / 0.45) ** 2))
-        half = 0.5 * blobs.box_px[:, 2:4].astype(np.float64)
-        ring = ring_share(colour, tint, blobs.centre_px, half)
-        ring = np.where(ring >= self._settings.ring, ring, 0.0)
-        return size, np.where(np.isfinite(depth_m), size * np.sqrt(np.minimum(ring / 0.8, 1.0)), 0.0)
+    def _lifted(
+        self, blobs: Blobs, depth_m: NDArray[np.float32] | None, intrinsics: Intrinsics
+    ) -> tuple[Blobs, Float64, Float64, NDArray[np.bool_]]:
+        """Blobs, the merged ones apart; depth of each, its std, whether a surface bears it, all (B,)."""
+        nothing = np.full(len(blobs), np.nan)
+        away, std = (nothing, nothing) if depth_m is None else disc_depth(blobs, depth_m)
+        apart = split_merged(blobs, self._expected_px(away, intrinsics), depth_m)
+        if depth_m is None:
+            nothing = np.full(len(apart), np.nan)
+            return apart, nothing, nothing, np.ones(len(apart), dtype=np.bool_)
+        if apart is not blobs:
+            away, std = disc_depth(apart, depth_m)
+        return apart, *supported(apart, depth_m, away, std)
 
-    def _gate(self, depth_m: Float64, similarity: Float64) -> NDArray[np.int64]:
-        """Blobs worth keeping: like a marker, and near the depth of most others."""
-        likely = (similarity > 0.1) & (depth_m > self._settings.near_m) & (depth_m < self._settings.far_m)
-        if not bool(likely.any()):
-            return np.empty(0, np.int64)
-        middle = np.median(depth_m[likely])
-        return np.flatnonzero(likely & (np.abs(depth_m - middle) < self._settings.depth_gate_m))
+    def _kept(
+        self,
+        pixel_px: Float64,
+        depth_m: Float64,
+        similarity: Float64,
+        intrinsics: Intrinsics,
+        *,
+        has_depth: bool,
+    ) -> NDArray[np.int64]:
+        """Blobs worth keeping: like a marker and, where there is depth, in a hand's reach of most others."""
+        likely = similarity > self._settings.similarity
+        if not has_depth:
+            return np.flatnonzero(likely)
+        known = np.isfinite(depth_m)
+        with np.errstate(invalid="ignore"):
+            sound = likely & (depth_m > self._settings.near_m) & (depth_m < self._settings.far_m)
+        likely = sound | (~known & (similarity > _SURE))
+        usual = float(np.median(depth_m[sound])) if sound.any() else np.nan
+        points = intrinsics.lift(pixel_px, np.where(known, depth_m, usual))
+        weight = np.where(sound, similarity, 0.0)
+        close = within_reach(points, weight, self._settings.depth_gate_m, self._settings.reach_m)
+        return np.flatnonzero(likely & close)

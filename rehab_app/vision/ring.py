@@ -1,34 +1,50 @@
-"""The white ring around a blue disc: what tells a marker from any other blue spot."""
+"""The white ring around a disc: what tells a marker from any other spot of its colour."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from rehab_app.vision.contrast import Float32, Image
+from rehab_app.vision.contrast import Image
 from sessions.records.fields import Float64
 
-_DIRECTIONS = 12
-_ANGLES = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
+DIRECTIONS = 12
+"""Directions in which the ring is looked for."""
+
 _STRETCH = (1.15, 1.35, 1.55)
-_BRIGHT = 105
-_COLOURLESS = 0.09
+_BEYOND = (2.1, 2.6)
+_OVER_INK = 0.66  # paper's weakest channel against the ink's strongest, whatever the light
+_CLEARLY = 0.9
+_OVER_OUTSIDE = 1.12
+_NEUTRAL = 0.58  # and against its own strongest
 
 
-def ring_share(colour_bgr: Image, tint: Float32, centre_px: Float64, half_axes_px: Float64) -> Float64:
+def ring_share(colour_bgr: Image, ink_bgr: Float64, centre_px: Float64, rim_px: Float64) -> Float64:
     """Share of directions around each blob in which white paper is met, shape (B,).
+
+    Paper is told by what it is beside the ink in the same light, so that shade and dim light do not matter.
 
     Args:
         colour_bgr: Colour image, shape (H, W, 3).
-        tint: Its chroma, shape (H, W).
+        ink_bgr: Mean colour of each blob, shape (B, 3).
         centre_px: Centres, shape (B, 2).
-        half_axes_px: Half of each blob's image box along u and v, shape (B, 2); white just outside it, at any
-            of three distances, counts.
+        rim_px: From each centre to its disc's rim in some directions, shape (B, D, 2); white just outside it,
+            at any of three distances, counts.
     """
-    height, width = tint.shape
-    around = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
-    reach = half_axes_px[:, None, None, :] * around[None, :, None, :] * np.array(_STRETCH)[:, None]
-    places = centre_px[:, None, None, :] + reach
+    sample = _around(colour_bgr, centre_px, rim_px, _STRETCH).astype(np.float64)
+    outside = _around(colour_bgr, centre_px, rim_px, _BEYOND).min(axis=(1, 3)).astype(np.float64)
+    weakest, strongest = sample.min(axis=-1), sample.max(axis=-1)
+    ink = ink_bgr.max(axis=1)[:, None, None]
+    white = (weakest > _OVER_INK * ink) & (weakest > _NEUTRAL * strongest)
+    white &= sample.sum(axis=-1) > 1.15 * ink_bgr.sum(axis=1)[:, None, None]
+    # beyond doubt paper, or at least whiter than what lies farther out: a bare spot on a grey wall is neither
+    white &= (weakest > _CLEARLY * ink) | (weakest > _OVER_OUTSIDE * outside[:, None, :])
+    return white.any(axis=1).mean(axis=-1)
+
+
+def _around(colour_bgr: Image, centre_px: Float64, rim_px: Float64, stretch: tuple[float, ...]) -> Image:
+    """Pixels about each centre at some multiples of its rim, shape (B, stretches, D, 3)."""
+    height, width = colour_bgr.shape[:2]
+    places = centre_px[:, None, None, :] + rim_px[:, None] * np.array(stretch)[:, None, None]
     column = np.clip(np.rint(places[..., 0]), 0, width - 1).astype(np.int64)
     row = np.clip(np.rint(places[..., 1]), 0, height - 1).astype(np.int64)
-    white = (colour_bgr[row, column].min(axis=-1) > _BRIGHT) & (np.abs(tint[row, column]) < _COLOURLESS)
-    return white.any(axis=-1).mean(axis=-1)
+    return colour_bgr[row, column]

@@ -57,8 +57,17 @@ def test_a_file_of_ones_own(tmp_path: Path) -> None:
         ('"index_distal"', '"index_claw"', "b"),
         ('"palm_1"', '"palm_9"', "c"),
         ('links = ["a"]', 'links = ["z"]', "c"),
-        ("[-0.01, 0.0, 0.0]", "[-0.01, 0.0]", "own.toml"),
-        ('anchor = "wrist"', "", "own.toml"),
+        ("[-0.01, 0.0, 0.0]", "[-0.01, 0.0]", "own.toml, marker 2 (b), offset_m"),
+        ("[-0.01, 0.0, 0.0]", '[-0.01, 0.0, "x"]', "own.toml, marker 2 (b), offset_m"),
+        ("[-0.01, 0.0, 0.0]", "[-0.01, 0.0, nan]", "own.toml, marker 2 (b), offset_m"),
+        ("[-0.01, 0.0, 0.0]", "[-10.0, 0.0, 0.0]", "own3, b, offset_m"),
+        ('anchor = "wrist"', "", "own.toml, marker 1 (a), anchor"),
+        ('anchor = "wrist"', 'anchor = "wrist"\ncolor = "blue"', "own.toml, marker 1 (a)"),
+        ('anchor = "wrist"', 'anchor = "wrist"\noffset_std_m = [0.0, 0.1, 0.1]', "own3, a, offset_std_m"),
+        ('links = ["a"]', 'links = "a"', "own.toml, marker 3 (c), links"),
+        ('name = "own3"', 'name = "own3"\nmarkers = 3', "own.toml"),
+        ('name = "own3"', "name = 3", "own.toml, name"),
+        ('name = "own3"', 'name = "own3"\nnoise_m = "small"', "own.toml, noise_m"),
         ('name = "own3"', "name = ", "own.toml"),
         ('name = "own3"', 'name = "own3"\nnoise_m = -1.0', "own3"),
     ],
@@ -69,6 +78,30 @@ def test_a_broken_file_is_refused_by_name(tmp_path: Path, old: str, new: str, th
     with pytest.raises(Refused) as refusal:
         load_protocol(path)
     assert thing in refusal.value.thing
+
+
+def test_the_example_of_the_manual_is_a_protocol(tmp_path: Path) -> None:
+    manual = (Path(__file__).resolve().parents[3] / "docs" / "detection.md").read_text("utf-8")
+    path = tmp_path / "mine.toml"
+    path.write_text(manual.split("```toml\n")[1].split("```")[0])
+    assert load_protocol(path).names == ("index_pip", "index_dip", "index_tip")
+
+
+def test_fewer_than_three_markers_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text("[[marker]]".join(OWN.split("[[marker]]")[:3]))
+    with pytest.raises(Refused, match="of 2 markers, but must be 3 to 64"):
+        load_protocol(path)
+    path.write_text('name = "empty"')
+    with pytest.raises(Refused, match="without markers"):
+        load_protocol(path)
+
+
+def test_one_finger_and_thumb_are_those_of_the_thesis() -> None:
+    whole = {marker.name: marker for marker in load_protocol("thesis25").markers}
+    few = load_protocol("finger_thumb8").markers
+    assert {marker.segment.split("_")[0] for marker in few} == {"thumb", "index", "palm"}
+    assert all(marker.offset_m == whole[marker.name].offset_m for marker in few)
 
 
 def test_unknown_names_are_refused_with_the_known_ones() -> None:
