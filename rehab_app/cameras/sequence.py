@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from rehab_app.cameras.blob_sensor import Blobs, sense, standing_clutter
+from rehab_app.cameras.blob_sensor import Blobs, StandingClutter, sense, standing_clutter
 from rehab_app.cameras.hiding import open_spots
 from rehab_app.cameras.level_scene import level_scene
 from rehab_app.cameras.levels import CALM_S, Level, dropped_frames, level_of
@@ -136,37 +136,49 @@ def point_sequence(
     scene = level_scene(
         row, exercise, frames / rate_hz, worn, side, scene_rng, length_m=length_m, distance_m=distance_m
     )
-    t_s = np.arange(frames) / rate_hz
+    return _taken(row, scene, side, np.arange(frames) / rate_hz, intrinsics, views, sense_rng)
+
+
+def _taken(
+    level: Level,
+    scene: HandScene,
+    side: Side,
+    t_s: Float64,
+    intrinsics: Intrinsics,
+    views: tuple[View, ...],
+    rng: np.random.Generator,
+) -> PointSequence:
+    """The sequence that cameras take of a scene at times (F,)."""
     posed = [scene.at(float(t)) for t in t_s]
     shots = [[_shot(one, view, intrinsics) for one in posed] for view in views]
-    dropped = dropped_frames(row, t_s, sense_rng)
-    seen = _sensed(row, scene, shots, t_s, intrinsics, sense_rng)
+    dropped = dropped_frames(level, t_s, rng)
+    seen = _sensed(level, shots, t_s, intrinsics, rng)
     t_ns = np.rint(t_s * 1e9).astype(np.int64)
     parts = [
         _lifted([blobs[index] for blobs in seen], views, int(t_ns[index]), intrinsics, bool(dropped[index]))
-        for index in range(frames)
+        for index in range(len(t_s))
     ]
-    pixel = np.array([[shot.pixel_px for shot in row_] for row_ in shots])
-    visible = np.array([[shot.visible for shot in row_] for row_ in shots])
+    pixel = np.array([[shot.pixel_px for shot in row] for row in shots])
+    visible = np.array([[shot.visible for shot in row] for row in shots])
     return PointSequence(
-        row,
-        worn,
-        side,
-        intrinsics,
-        views,
-        t_ns,
-        tuple(part[0] for part in parts),
-        tuple(part[1] for part in parts),
-        tuple(part[2] for part in parts),
-        dropped,
-        pixel[0],
-        np.array([one.markers.p_camera_m for one in posed]),
-        visible[0],
-        pixel,
-        visible,
-        np.array([one.joints_rad for one in posed]),
-        np.array([one.landmarks_camera_m for one in posed]),
-        pixel[0, 0] + sense_rng.normal(0.0, 1.0, pixel[0, 0].shape),
+        level=level,
+        protocol=scene.worn.protocol,
+        side=side,
+        intrinsics=intrinsics,
+        views=views,
+        t_ns=t_ns,
+        detections=tuple(part[0] for part in parts),
+        owner=tuple(part[1] for part in parts),
+        other=tuple(part[2] for part in parts),
+        dropped=dropped,
+        pixel_px=pixel[0],
+        p_camera_m=np.array([one.markers.p_camera_m for one in posed]),
+        visible=visible[0],
+        view_pixel_px=pixel,
+        view_visible=visible,
+        joints_rad=np.array([one.joints_rad for one in posed]),
+        landmarks_camera_m=np.array([one.landmarks_camera_m for one in posed]),
+        init_pixel_px=pixel[0, 0] + rng.normal(0.0, 1.0, pixel[0, 0].shape),
     )
 
 
@@ -186,33 +198,27 @@ def _shot(posed: PosedHand, view: View, intrinsics: Intrinsics) -> _Shot:
 
 
 def _sensed(
-    level: Level,
-    scene: HandScene,
-    shots: list[list[_Shot]],
-    t_s: Float64,
-    intrinsics: Intrinsics,
-    rng: np.random.Generator,
+    level: Level, shots: list[list[_Shot]], t_s: Float64, intrinsics: Intrinsics, rng: np.random.Generator
 ) -> list[list[Blobs]]:
     """Blobs of every view and frame."""
     seen: list[list[Blobs]] = []
     for row in shots:
         standing = standing_clutter(level, row[0].pixel_px, float(row[0].depth_m.mean()), intrinsics, rng)
-        seen.append(
-            [
-                sense(
-                    level,
-                    shot.seen_px,
-                    shot.depth_m,
-                    shot.visible,
-                    standing,
-                    intrinsics,
-                    rng,
-                    calm=bool(t < CALM_S),
-                )
-                for shot, t in zip(row, t_s, strict=True)
-            ]
-        )
+        pairs = zip(row, t_s, strict=True)
+        seen.append([_blobs(level, shot, float(t), standing, intrinsics, rng) for shot, t in pairs])
     return seen
+
+
+def _blobs(
+    level: Level,
+    shot: _Shot,
+    t_s: float,
+    standing: StandingClutter,
+    intrinsics: Intrinsics,
+    rng: np.random.Generator,
+) -> Blobs:
+    calm = t_s < CALM_S
+    return sense(level, shot.seen_px, shot.depth_m, shot.visible, standing, intrinsics, rng, calm=calm)
 
 
 def _lifted(
