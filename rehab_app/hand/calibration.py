@@ -53,11 +53,11 @@ def calibrate_subject(observed: LandmarkSeries, protocol: MarkerProtocol, side: 
             "show half of the markers for longer",
         )
     p_m = observed.p_camera_m[rows]
-    start, state = _sized(p_m, protocol, side)
+    start, state = sized(p_m, protocol, side)
     precision = _precision(p_m, np.full(len(protocol.markers), protocol.noise_m))
     problem = _problem(MarkerModel(start, protocol), p_m, precision)
-    bundle = Bundle(ShapePrior.around(start, protocol), problem, min(1.0, _TRUSTED_FRAMES / len(rows)))
-    shape, state = _minimise(bundle, state)
+    bundle = Bundle(ShapePrior.around(start, protocol), problem, trust_in(len(rows)))
+    shape, state = minimised(bundle, np.zeros(len(bundle.prior.std)), state)
     fitted = bundle.with_shape(shape)
     state, _ = solve(fitted, state)
     residual_m = float(np.sqrt((fitted.residuals(state) ** 2).sum() / (precision[..., 0] > 0).sum()))
@@ -69,6 +69,11 @@ def calibrate_subject(observed: LandmarkSeries, protocol: MarkerProtocol, side: 
             "check side and protocol",
         )
     return replace(fitted.model.subject, residual_m=residual_m)
+
+
+def trust_in(frames: int) -> float:
+    """Factor on the information of some frames about the shape: they are not independent."""
+    return min(1.0, _TRUSTED_FRAMES / max(frames, 1))
 
 
 def spread_frames(observed: LandmarkSeries, most: int = _FRAMES) -> Int64:
@@ -96,12 +101,33 @@ def spread_frames(observed: LandmarkSeries, most: int = _FRAMES) -> Int64:
     return np.unique(candidates[chosen])
 
 
-def _sized(p_m: Float64, protocol: MarkerProtocol, side: Side) -> tuple[Subject, PoseState]:
-    """An average hand of this person's size, posed; markers count as surely as they are placed."""
+def sized(
+    p_m: Float64,
+    protocol: MarkerProtocol,
+    side: Side,
+    precision: Float64 | None = None,
+    axes: Float64 | None = None,
+) -> tuple[Subject, PoseState]:
+    """An average hand of this person's size, posed; markers count as surely as they are placed.
+
+    Args:
+        p_m: Markers, shape (N, M, 3), NaN where unseen.
+        protocol: The markers.
+        side: Side of the hand.
+        precision: 1/variance of what was seen, shape (N, M, 3), if not usual; its zeros are not used.
+        axes: Axes of that precision, shape (N, M, 3, 3).
+
+    Raises:
+        Refused: The markers fit no human hand.
+    """
     loose = replace(protocol, size_std=0.15)
     sigma = np.sqrt(protocol.noise_m**2 + (protocol.offset_stds_m**2).mean(axis=1))
+    weight = _precision(p_m, sigma)
+    if precision is not None:
+        weight = np.where(precision > 0, 1.0 / (sigma[:, None] ** 2 + 1.0 / np.maximum(precision, 1e-9)), 0.0)
     average = average_subject(protocol, side)
-    state = solve_from_nothing(_problem(MarkerModel(average, loose), p_m, _precision(p_m, sigma)))
+    posed = PoseProblem(MarkerModel(average, loose), np.nan_to_num(p_m), weight, rest_prior(len(p_m)), axes)
+    state = solve_from_nothing(posed)
     length_m = float(0.189 * np.exp(np.median(state.log_size)))
     if not _LENGTHS_M[0] <= length_m <= _LENGTHS_M[1]:
         bound = f"{_LENGTHS_M[0]:g} to {_LENGTHS_M[1]:g} m"
@@ -111,7 +137,7 @@ def _sized(p_m: Float64, protocol: MarkerProtocol, side: Side) -> tuple[Subject,
     length_m = min(max(length_m, 0.12), 0.25)
     subject = average_subject(protocol, side, length_m)
     still = PoseState(state.rotation, state.p_m, state.joints_rad, np.zeros(len(p_m)))
-    return subject, solve(_problem(MarkerModel(subject, protocol), p_m, _precision(p_m, sigma)), still)[0]
+    return subject, solve(replace(posed, model=MarkerModel(subject, protocol)), still)[0]
 
 
 def _precision(p_m: Float64, sigma_m: Float64) -> Float64:
@@ -122,12 +148,13 @@ def _problem(model: MarkerModel, p_m: Float64, precision: Float64) -> PoseProble
     return PoseProblem(model, np.nan_to_num(p_m), precision, rest_prior(len(p_m)))
 
 
-def _minimise(bundle: Bundle, state: PoseState) -> tuple[Float64, PoseState]:
-    """Levenberg-Marquardt on shape and poses together."""
-    shape = np.zeros(len(bundle.prior.std))
+def minimised(
+    bundle: Bundle, shape: Float64, state: PoseState, rounds: int = _ROUNDS
+) -> tuple[Float64, PoseState]:
+    """Levenberg-Marquardt on shape and poses together, from a start, for some rounds at most."""
     cost = bundle.cost(shape, state)
     damping = 1e-2
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         step, pose_step = bundle.step(shape, state, damping)
         trial, trial_state = shape + step, state.moved(pose_step)
         trial_cost = bundle.cost(trial, trial_state)

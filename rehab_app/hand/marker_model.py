@@ -18,6 +18,8 @@ _JOINT_DIGIT = np.array([0] * 5 + [finger for finger in (1, 2, 3, 4) for _ in ra
 _JOINT_BONE = np.array([0, 0, 1, 1, 2] + [0, 0, 1, 2] * 4)
 _ABDUCTS = np.array([joint.endswith("abduction") for joint in JOINTS])
 _LEFT = np.array([1.0, -1.0, 1.0])
+_TIPS = np.array([3, 7, 11, 15, 19])
+_MOVED_TIPS: tuple[Int64, Int64] = (_JOINT_DIGIT, np.arange(21))
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,11 +66,12 @@ class MarkerModel:
         bone = np.where(self.segments < 15, self.segments % 3, -1)
         moved = (self.digit[:, None] == _JOINT_DIGIT) & (bone[:, None] >= _JOINT_BONE)
         self._moved: tuple[Int64, Int64] = (np.nonzero(moved)[0], np.nonzero(moved)[1])
+        self._mirror: Float64 = _LEFT if subject.geometry.side == "left" else np.ones(3)
 
     @property
     def mirror(self) -> Float64:
         """Factors from the right-hand form to this side's palm frame, shape (3,)."""
-        return _LEFT if self.geometry.side == "left" else np.ones(3)
+        return self._mirror
 
     def positions(self, joints_rad: Float64) -> Float64:
         """Markers in the palm frame (..., M, 3), m, for joint angles (..., 21)."""
@@ -93,13 +96,22 @@ class MarkerModel:
 
     def right_jacobian(self, placed: PlacedMarkers) -> Float64:
         """Derivative of ``placed.p_m`` with respect to the joints, (..., M, 3, 21), m/rad."""
-        marker, joint = self._moved
-        lead = placed.p_m.shape[:-2]
-        axes = _joint_axes(self.right, placed.frames)
-        pivots = placed.frames.landmarks_m[..., 4 * _JOINT_DIGIT + _JOINT_BONE, :]
-        arms = placed.p_m[..., marker, :] - pivots[..., joint, :]
-        result = np.zeros((*lead, len(self.segments), 21, 3))
-        result[..., marker, joint, :] = cross(axes[..., joint, :], arms)
+        return self._slopes(placed.frames, placed.p_m, self._moved)
+
+    def fingertips(self, placed: PlacedMarkers) -> tuple[Float64, Float64]:
+        """Fingertips in the palm frame (..., 5, 3), m, and their derivative in the joints (..., 5, 3, 21)."""
+        tips = placed.frames.landmarks_m[..., _TIPS, :]
+        slopes = self._slopes(placed.frames, tips, _MOVED_TIPS)
+        return tips * self._mirror, slopes * self._mirror[:, None]
+
+    def _slopes(self, frames: HandFrames, p_m: Float64, moved: tuple[Int64, Int64]) -> Float64:
+        """Derivative of points (..., K, 3) in the joints that move them, (..., K, 3, 21)."""
+        point, joint = moved
+        axes = _joint_axes(self.right, frames)
+        pivots = frames.landmarks_m[..., 4 * _JOINT_DIGIT + _JOINT_BONE, :]
+        arms = p_m[..., point, :] - pivots[..., joint, :]
+        result = np.zeros((*p_m.shape[:-1], 21, 3))
+        result[..., point, joint, :] = cross(axes[..., joint, :], arms)
         return np.swapaxes(result, -1, -2)
 
 

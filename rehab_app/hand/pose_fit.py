@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -96,7 +96,7 @@ class PoseFitter:
         if sigma_m is None and usable.size:
             noise_m = estimated_noise(part, state)
             precision = np.where(problem.precision > 0, 1.0 / noise_m[:, None] ** 2, 0.0)
-            problem = PoseProblem(self.model, problem.p_m, precision, problem.prior)
+            problem = replace(problem, precision=precision)
             part = problem.at(usable)
             state, _ = solve(part, state, 8)
         elif sigma_m is not None and np.ndim(sigma_m) < 2:

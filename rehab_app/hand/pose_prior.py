@@ -63,6 +63,17 @@ def beyond_limits(joints_rad: Float64) -> Float64:
     return joints_rad - np.clip(joints_rad, JOINT_MIN_RAD, JOINT_MAX_RAD)
 
 
+def oddity(joints_rad: Float64) -> float:
+    """How strange a posture (21,) is, in squared standard deviations: not at rest, uncoupled, beyond limits.
+
+    Args:
+        joints_rad: Joint angles.
+    """
+    out = beyond_limits(joints_rad) / LIMIT_STD_RAD
+    away = (joints_rad - _REST.joints_rad[0]) / _REST.std_rad
+    return float(out @ out + away @ away + joints_rad @ _COUPLING @ joints_rad)
+
+
 def starting_postures() -> Float64:
     """Open, half closed, and a fist with the thumb across: where a fit from nothing begins, (3, 21), rad."""
     postures = np.zeros((3, len(JOINTS)))
@@ -74,3 +85,7 @@ def starting_postures() -> Float64:
             0.2 + 0.3 * row
         )
     return postures
+
+
+_REST = rest_prior(1)
+_COUPLING = coupling_precision()

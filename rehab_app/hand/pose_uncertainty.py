@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from rehab_app.hand.pose_prior import rest_prior
@@ -63,7 +65,7 @@ def _batch(problem: PoseProblem, state: PoseState, *, given: bool) -> tuple[Floa
     posterior = np.linalg.inv(information + problem.prior_information(state, limited=False))
     # what the markers alone tell: beside them only the hand at rest, whatever the caller expected
     rest = rest_prior(len(state.p_m))
-    alone = PoseProblem(problem.model, problem.p_m, problem.precision, rest)
+    alone = replace(problem, prior=rest)
     free = np.linalg.inv(information + alone.prior_information(state, coupled=False, limited=False))
     std = np.sqrt(np.diagonal(free, axis1=1, axis2=2)[:, JOINT_PART])
     fixed = std < np.minimum(MEASURED_STD_RAD, MEASURED_SHARE * rest.std_rad)

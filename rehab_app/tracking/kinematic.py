@@ -1,8 +1,9 @@
-"""The kinematic tracker: a hand model predicts, detections are associated with it, the hand is fitted.
+"""The kinematic tracker: a hand model predicts, detections are given to its markers, a filter corrects it.
 
-For each capture: predict pose and joints by damped constant velocity; take the pairs of marker and detection
-that are beyond doubt; fit; associate the rest against the now smaller uncertainty; fit again. What is not
-seen stays an estimate of the model. After a loss, the hand as it was last and as an open hand are looked for.
+For each capture: predict pose and joints; give detections to markers, the unambiguous ones first, the rest
+against the then smaller uncertainty; correct. Meanwhile the person's hand and the size of the noise are
+learnt. What is not seen is an estimate of the model, and lost after a while. After a loss, the postures that
+the hand took before and open ones are looked for.
 """
 
 from __future__ import annotations
@@ -12,23 +13,23 @@ from collections import deque
 import numpy as np
 
 from rehab_app.geometry.detections import Detections
-from rehab_app.hand.pose_fit import HandFit, PoseFitter
-from rehab_app.hand.pose_prior import JointPrior
 from rehab_app.hand.protocol import MarkerProtocol
 from rehab_app.hand.subject import Subject
-from rehab_app.tracking.association import NONE, best_pairs, clear_pairs, distances, facing_penalty
-from rehab_app.tracking.description import described, unknown
-from rehab_app.tracking.labelling import label_open_hand
-from rehab_app.tracking.moving_hand import Expectation, MovingHand, at_rest, expect, followed
-from rehab_app.tracking.open_hand import OpenHand, open_shapes
-from rehab_app.tracking.tracked import TrackedHand, TrackingState
+from rehab_app.tracking.complaint import Complaints, unseen
+from rehab_app.tracking.description import unknown
+from rehab_app.tracking.labelling import NONE, placed_points
+from rehab_app.tracking.open_hand import OpenHand
+from rehab_app.tracking.pursuit import Pursuit
+from rehab_app.tracking.start import LabelledCapture, checked, labelled
+from rehab_app.tracking.tracked import Labels, TrackedHand, TrackingState
+from sessions.errors import Refused
 from sessions.records import Side
 from sessions.records.fields import Float64, Int64
 
-_MODEL_STD_M = 0.0008
-_FEWEST = 4  # markers without which a capture says too little of where the hand is
-_PATIENCE = 10  # captures without them before the hand counts as lost
-_HELD = 450  # captures kept back at most while the hand is learnt; the oldest are given up
+_HELD = 450  # captures kept back at most while the hand is looked for; the oldest are given up
+_LOOK_EVERY = 10  # captures in vain after which it is asked why
+_LABELS_FOR = 30  # captures in which the labels must meet a hand
+_FEWEST = 4
 
 
 class KinematicTracker:
@@ -37,25 +38,35 @@ class KinematicTracker:
     Args:
         protocol: The markers.
         side: Side of the hand; never inferred.
-        subject: The person, if known already; otherwise learnt from the open hand of the first second.
+        subject: The person, if known already; the markers' places are learnt all the same.
+        labels: Markers named by a person in the first capture; without them a still, open hand is waited for.
+
+    Raises:
+        Refused: A label names no marker of the protocol.
     """
 
-    def __init__(self, protocol: MarkerProtocol, side: Side, subject: Subject | None = None) -> None:
+    def __init__(
+        self,
+        protocol: MarkerProtocol,
+        side: Side,
+        subject: Subject | None = None,
+        labels: Labels | None = None,
+    ) -> None:
         self._protocol = protocol
+        self._labels = None if labels is None else checked(labels, protocol.names)
+        self._pursuit = Pursuit(protocol, side, subject)
         self._open_hand = OpenHand(protocol, side)
+        self._complaints = Complaints(protocol, side)
         self._held: deque[Detections] = deque(maxlen=_HELD)
-        self._fitter = None if subject is None else PoseFitter(subject, protocol)
-        self._subject = subject
-        self._last: MovingHand | None = None
-        self._misses = 0
-        self._expectation: Float64 | None = None
+        self._looked = 0
+        self._complaint: str | None = None
 
     @property
     def state(self) -> TrackingState:
         """What it is doing."""
-        if self._fitter is None:
-            return "calibrating" if self._open_hand.found else "searching"
-        return "tracking" if self._last is not None and self._misses <= _PATIENCE else "lost"
+        if self._pursuit.begun:
+            return "tracking" if self._pursuit.holding else "lost"
+        return "calibrating" if self._open_hand.found else "searching"
 
     @property
     def marker_names(self) -> tuple[str, ...]:
@@ -64,112 +75,91 @@ class KinematicTracker:
 
     @property
     def subject(self) -> Subject | None:
-        """The person, once calibrated."""
-        return self._subject
+        """The person, as far as learnt by now."""
+        return self._pursuit.subject
 
     @property
     def expected_m(self) -> Float64 | None:
         """Where to look next, shape (K, 3); None for everywhere."""
-        if self._fitter is None:
-            return self._open_hand.expected_m
-        return self._expectation if self.state == "tracking" and self._misses == 0 else None
+        return self._pursuit.expected_m if self._pursuit.begun else self._open_hand.expected_m
+
+    @property
+    def complaint(self) -> str | None:
+        """What keeps the hand from being tracked, one sentence; None if nothing does."""
+        return self._complaint
 
     def observe(self, detections: Detections) -> tuple[TrackedHand, ...]:
         """Take one capture; see ``Tracker.observe``."""
-        if self._fitter is not None:
-            return (self._track(self._fitter, detections),)
+        if self._pursuit.begun:
+            return (self._pursue(detections),)
+        if self._labels is not None:
+            return self._begin_labelled(self._labels, detections)
         self._held.append(detections)
-        subject = self._open_hand.feed(detections)
-        if subject is None:
-            return ()
-        return self._learnt(subject)
+        return self._wait(detections)
 
-    def _learnt(self, subject: Subject) -> tuple[TrackedHand, ...]:
-        """Track all that was held back, from the first capture of the open hand on."""
-        self._subject = subject
-        self._fitter = PoseFitter(subject, self._protocol)
-        start_ns, points = self._open_hand.labelled[0]
-        self._last = at_rest(start_ns, self._fitter.fit(points[None], self._noise()))
-        held = tuple(self._held)
+    def finish(self) -> tuple[TrackedHand, ...]:
+        """What is still held back when no more captures come: nothing of it was understood."""
+        rest = tuple(self._unknown(one) for one in self._held)
         self._held.clear()
-        lost = [one.t_capture_ns for one in held if one.t_capture_ns < start_ns]
-        before = tuple(unknown(t_ns, len(self.marker_names), "searching") for t_ns in lost)
-        fitter = self._fitter
-        return before + tuple(self._track(fitter, one) for one in held if one.t_capture_ns >= start_ns)
+        return rest
 
-    def _noise(self) -> Float64:
-        return np.full(len(self.marker_names), self._protocol.noise_m)
+    def _begin_labelled(self, labels: Labels, detections: Detections) -> tuple[TrackedHand, ...]:
+        """Start from named pixels, in the first capture that shows enough of them."""
+        self._looked += 1
+        capture = labelled(detections, labels, self.marker_names)
+        if int((capture.row != NONE).sum()) >= _FEWEST:
+            return (self._pursuit.begin(capture),)
+        self._complaint = "The named pixels meet no blobs: name markers where they are seen."
+        if self._looked >= _LABELS_FOR:
+            self._labels = None
+        return (self._unknown(detections),)
 
-    def _track(self, fitter: PoseFitter, detections: Detections) -> TrackedHand:
-        last = self._last if self._last is not None and self._misses <= _PATIENCE else None
-        found = self._follow(fitter, last, detections) if last else self._regain(fitter, detections)
-        if found is None:
-            self._misses += 1
-            state: TrackingState = "tracking" if self._misses <= _PATIENCE else "lost"
-            return unknown(detections.t_capture_ns, len(self.marker_names), state)
-        fit, match = found
-        t_ns = detections.t_capture_ns
-        moved = last is not None and t_ns > last.t_ns
-        self._last = followed(last, t_ns, fit) if last is not None and moved else at_rest(t_ns, fit)
-        self._misses = 0
-        tracked = described(fitter.model, fit, detections, match)
-        self._expectation = tracked.markers.p_camera_m
+    def _wait(self, detections: Detections) -> tuple[TrackedHand, ...]:
+        """Look for a still, open hand; once it was shown for long enough, track all that was held back."""
+        primary = detections.rows(np.flatnonzero(detections.view == 0))
+        shown = self._open_hand.watch(primary)
+        if not self._open_hand.found:
+            self._looked += 1
+            if self._looked % _LOOK_EVERY == 0:
+                self._complaint = self._complaints.searching(placed_points(primary))
+            return ()
+        self._complaint = None
+        if not shown or (match := self._open_hand.first_match) is None:
+            return ()
+        start_ns = self._open_hand.labelled[0][0]
+        try:
+            return self._caught_up(start_ns, match)
+        except Refused as refused:
+            self._complaint = str(refused)
+            self._open_hand.forget()
+            return ()
+
+    def _caught_up(self, start_ns: int, match: Int64) -> tuple[TrackedHand, ...]:
+        """Track all that was held back, from the first capture of the open hand on."""
+        result: list[TrackedHand] = []
+        for one in self._held:
+            if one.t_capture_ns < start_ns:
+                result.append(self._unknown(one))
+            elif one.t_capture_ns == start_ns:
+                rows = np.flatnonzero(one.view == 0)
+                row = np.where(match == NONE, NONE, rows[match])
+                result.append(self._pursuit.begin(LabelledCapture(one, row, len(one))))
+            else:
+                result.append(self._pursue(one))
+        self._held.clear()
+        return tuple(result)
+
+    def _pursue(self, detections: Detections) -> TrackedHand:
+        tracked = self._pursuit.take(detections)
+        if tracked is None:
+            self._looked += 1
+            if self._looked % _LOOK_EVERY == 0:
+                primary = detections.rows(np.flatnonzero(detections.view == 0))
+                self._complaint = self._complaints.searching(placed_points(primary))
+            return self._unknown(detections)
+        never = self._pursuit.never_seen
+        self._complaint = unseen([self.marker_names[marker] for marker in never]) if len(never) else None
         return tracked
 
-    def _follow(
-        self, fitter: PoseFitter, last: MovingHand, detections: Detections
-    ) -> tuple[HandFit, Int64] | None:
-        """The hand near where it is expected, and its detections; None if too little is seen of it."""
-        expected = expect(fitter.model, last, detections.t_capture_ns)
-        cost = _costs(expected, detections)
-        match = clear_pairs(cost)
-        if int((match != NONE).sum()) < _FEWEST:
-            match = best_pairs(cost)
-        if int((match != NONE).sum()) < _FEWEST:
-            return None
-        fit = _fitted(fitter, expected.start, expected.prior, detections, match)
-        if _all_told(cost, match):
-            return fit, match
-        near = expect(fitter.model, at_rest(detections.t_capture_ns, fit), detections.t_capture_ns)
-        match = best_pairs(_costs(near, detections))
-        if int((match != NONE).sum()) < _FEWEST:
-            return None
-        return _fitted(fitter, fit, expected.prior, detections, match), match
-
-    def _regain(self, fitter: PoseFitter, detections: Detections) -> tuple[HandFit, Int64] | None:
-        """Find the lost hand again, open or as it was last; None where there is none."""
-        shapes = open_shapes(fitter.model)
-        if self._last is not None:
-            shapes = np.concatenate([fitter.model.positions(self._last.fit.joints_rad), shapes])
-        missing = len(self.marker_names) // 4
-        found = label_open_hand(detections.p_camera_m, shapes, gate_m=0.02, missing=missing)
-        if found is None or found.residual_m > 0.008:
-            return None
-        points = np.where((found.detection != NONE)[:, None], detections.p_camera_m[found.detection], np.nan)
-        start = fitter.fit(points[None], self._noise())
-        return self._follow(fitter, at_rest(detections.t_capture_ns, start), detections)
-
-
-def _costs(expected: Expectation, detections: Detections) -> Float64:
-    """Cost of every pair of marker and detection, shape (M, D)."""
-    cost = distances(
-        expected.p_camera_m, expected.covariance_m2, detections.p_camera_m, detections.covariance_m2
-    )
-    return cost + facing_penalty(expected.normal_camera, expected.p_camera_m)[:, None]
-
-
-def _all_told(cost: Float64, match: Int64) -> bool:
-    """Whether no marker that lacks a detection could still take one that is free."""
-    free = np.setdiff1d(np.arange(cost.shape[1]), match)
-    return not bool((cost[np.ix_(match == NONE, free)] < 1e5).any())
-
-
-def _fitted(
-    fitter: PoseFitter, start: HandFit, prior: JointPrior, detections: Detections, match: Int64
-) -> HandFit:
-    """The hand fitted to the matched detections, one frame."""
-    seen = match != NONE
-    points = np.where(seen[:, None], detections.p_camera_m[match], np.nan)
-    variance = np.diagonal(detections.covariance_m2, axis1=1, axis2=2)[match] + _MODEL_STD_M**2
-    sigma = np.where(seen[:, None], np.sqrt(variance), 1.0)
-    return fitter.fit(points[None], sigma[None], start, prior)
+    def _unknown(self, detections: Detections) -> TrackedHand:
+        return unknown(detections.t_capture_ns, len(self.marker_names), self.state)

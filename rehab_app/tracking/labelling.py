@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from rehab_app.geometry.detections import Detections
 from sessions.records.fields import Float64, Int64
 
 _STARTS = 16
@@ -28,14 +29,22 @@ class Labelling:
     Attributes:
         detection: Row of the detection of each marker, NONE where there is none, shape (M,).
         residual_m: Root of the mean squared distance between shape and detections.
+        shape: Which of the shapes it was.
     """
 
     detection: Int64
     residual_m: float
+    shape: int
 
 
 def label_open_hand(
-    p_camera_m: Float64, shapes_palm_m: Float64, *, gate_m: float = 0.03, missing: int = 2
+    p_camera_m: Float64,
+    shapes_palm_m: Float64,
+    *,
+    gate_m: float = 0.03,
+    missing: int = 2,
+    scale: tuple[float, float] = _SCALE,
+    rotation: Float64 | None = None,
 ) -> Labelling | None:
     """Lay open hands over detections.
 
@@ -45,6 +54,8 @@ def label_open_hand(
             back of the hand, which is taken to face the camera.
         gate_m: Farthest that a detection may lie from its marker's place.
         missing: Most markers that may lack a detection.
+        scale: Smallest and largest factor on the shapes' size.
+        rotation: Palm to camera, roughly, shape (3, 3); only that is tried then.
 
     Returns:
         The best labelling, or None where no shape fits.
@@ -52,18 +63,35 @@ def label_open_hand(
     count = shapes_palm_m.shape[1]
     if len(p_camera_m) < max(count - missing, 4):
         return None
-    starts = [(shape, rotation) for shape in shapes_palm_m for rotation in _starts(p_camera_m, shape)]
-    coarse = [_settle(p_camera_m, shape, turn, gate_m, _COARSE_ROUNDS)[0] for shape, turn in starts]
+    if rotation is None:
+        starts = [(k, turn) for k, shape in enumerate(shapes_palm_m) for turn in _starts(p_camera_m, shape)]
+    else:
+        starts = [(k, rotation) for k in range(len(shapes_palm_m))]
+
+    def settle(start: tuple[int, Float64], rounds: int) -> tuple[float, Int64]:
+        return _settle(p_camera_m, shapes_palm_m[start[0]], start[1], gate_m, rounds, scale)
+
+    coarse = [settle(start, _COARSE_ROUNDS)[0] for start in starts]
     promising = np.argsort(coarse, kind="stable")[:_PROMISING]
-    settled = [
-        _settle(p_camera_m, starts[index][0], starts[index][1], gate_m, _ROUNDS) for index in promising
-    ]
-    score, match = settled[int(np.argmin([one[0] for one in settled]))]
+    settled = [settle(starts[index], _ROUNDS) for index in promising]
+    best = int(np.argmin([one[0] for one in settled]))
+    score, match = settled[best]
     matched = match != NONE
-    if int(matched.sum()) < count - missing:
+    if int(matched.sum()) < max(count - missing, 4):
         return None
     lost = (~matched).sum() * gate_m**2
-    return Labelling(match, float(np.sqrt(max(score * count - lost, 0.0) / matched.sum())))
+    residual_m = float(np.sqrt(max(score * count - lost, 0.0) / matched.sum()))
+    return Labelling(match, residual_m, starts[promising[best]][0])
+
+
+def placed_points(detections: Detections, usual_m: float = 0.7) -> Float64:
+    """A point for every detection, (D, 3): without depth at the others' median range, or a usual one."""
+    apart = detections.p_camera_m - detections.origin_camera_m
+    range_m = np.linalg.norm(apart, axis=1)
+    known = np.isfinite(range_m)
+    middle_m = float(np.median(range_m[known])) if bool(known.any()) else usual_m
+    on_ray = detections.origin_camera_m + middle_m * detections.ray_camera
+    return np.where(known[:, None], detections.p_camera_m, on_ray)
 
 
 def _starts(points: Float64, shape: Float64) -> list[Float64]:
@@ -86,11 +114,16 @@ def _plane(points: Float64, out: Float64) -> Float64:
 
 
 def _settle(
-    points: Float64, shape: Float64, rotation: Float64, gate_m: float, rounds: int
+    points: Float64,
+    shape: Float64,
+    rotation: Float64,
+    gate_m: float,
+    rounds: int,
+    bounds: tuple[float, float],
 ) -> tuple[float, Int64]:
     """Alternate assignment and similarity transform from one start; mean squared (gated) distance, match."""
     spread = np.sqrt(points.var(axis=0).sum() / shape.var(axis=0).sum())
-    scale = float(np.clip(spread, *_SCALE))
+    scale = float(np.clip(spread, *bounds))
     shift = np.median(points, axis=0) - scale * rotation @ np.median(shape, axis=0)
     gate = 3.0 * gate_m
     match, square = np.full(len(shape), NONE, dtype=np.int64), np.full(len(shape), np.inf)
@@ -102,7 +135,7 @@ def _settle(
         found = match != NONE
         if found.sum() < 4:
             return float("inf"), match
-        scale, rotation, shift = _similarity(shape[found], points[match[found]])
+        scale, rotation, shift = _similarity(shape[found], points[match[found]], bounds)
         gate = max(gate_m, 0.6 * gate)
     return float(square.mean()), match
 
@@ -120,7 +153,9 @@ def _assign(points: Float64, placed: Float64, gate_m: float) -> tuple[Int64, Flo
     return match, paid
 
 
-def _similarity(source: Float64, target: Float64) -> tuple[float, Float64, Float64]:
+def _similarity(
+    source: Float64, target: Float64, bounds: tuple[float, float]
+) -> tuple[float, Float64, Float64]:
     """Scale, rotation and shift that carry source points (N, 3) to target points in the least squares.
 
     Umeyama (1991), doi 10.1109/34.88573.
@@ -130,5 +165,5 @@ def _similarity(source: Float64, target: Float64) -> tuple[float, Float64, Float
     sign = np.array([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
     rotation = (u * sign) @ vt
     scale = float((d * sign).sum() / max(((source - middle_s) ** 2).sum(), 1e-12))
-    scale = float(np.clip(scale, *_SCALE))
+    scale = float(np.clip(scale, *bounds))
     return scale, rotation, middle_t - scale * rotation @ middle_s

@@ -10,7 +10,7 @@ from rehab_app.hand.marker_model import MarkerModel
 from rehab_app.hand.protocol import MarkerProtocol
 from rehab_app.hand.series import LandmarkSeries
 from rehab_app.hand.subject import Subject, average_subject
-from rehab_app.tracking.labelling import NONE, label_open_hand
+from rehab_app.tracking.labelling import NONE, label_open_hand, placed_points
 from sessions.records import JOINTS, Side
 from sessions.records.fields import Float64, Int64
 
@@ -36,6 +36,7 @@ class OpenHand:
         self._shapes = open_shapes(MarkerModel(average_subject(protocol, side), protocol))
         self._first: Float64 | None = None
         self._frames: list[tuple[int, Float64]] = []
+        self._match: Int64 | None = None
 
     @property
     def found(self) -> bool:
@@ -52,15 +53,33 @@ class OpenHand:
         """Where the markers were when the hand was found, shape (K, 3)."""
         return None if self._first is None else self._first[np.isfinite(self._first).all(axis=1)]
 
+    @property
+    def first_match(self) -> Int64 | None:
+        """Detection of each marker in the first of those frames, shape (M,)."""
+        return self._match
+
+    def watch(self, detections: Detections) -> bool:
+        """Take one capture; whether enough of them show a still hand by now."""
+        points = placed_points(detections)
+        if self._first is None or (match := _near(self._first, points)) is None:
+            self._begin(detections.t_capture_ns, points)
+            return False
+        self._frames.append((detections.t_capture_ns, _picked(points, match)))
+        return len(self._frames) >= FRAMES
+
     def feed(self, detections: Detections) -> Subject | None:
-        """Take one capture; the subject once enough of them show a still hand."""
-        if self._first is None or (match := _near(self._first, detections.p_camera_m)) is None:
-            self._begin(detections)
-            return None
-        self._frames.append((detections.t_capture_ns, _picked(detections.p_camera_m, match)))
-        if len(self._frames) < FRAMES:
+        """Take one capture; the subject once enough of them show a still hand.
+
+        Raises:
+            Refused: What kept still is no human hand.
+        """
+        if not self.watch(detections):
             return None
         return calibrate_subject(self._means(), self._protocol, self._side)
+
+    def forget(self) -> None:
+        """Begin anew."""
+        self._first, self._frames, self._match = None, [], None
 
     def _means(self) -> LandmarkSeries:
         """Means over a few frames each: of a still hand they tell as much, and the fit is quicker."""
@@ -72,13 +91,13 @@ class OpenHand:
         )
         return LandmarkSeries(1e-9 * (times - times[0]), self._protocol.names, mean)
 
-    def _begin(self, detections: Detections) -> None:
+    def _begin(self, t_ns: int, points: Float64) -> None:
         """Look for an open hand anew; what was collected of one that moved is dropped."""
-        self._first, self._frames = None, []
-        found = label_open_hand(detections.p_camera_m, self._shapes, missing=_MISSING)
+        self.forget()
+        found = label_open_hand(points, self._shapes, missing=_MISSING)
         if found is not None and found.residual_m < _FIT_M:
-            self._first = _picked(detections.p_camera_m, found.detection)
-            self._frames = [(detections.t_capture_ns, self._first)]
+            self._first, self._match = _picked(points, found.detection), found.detection
+            self._frames = [(t_ns, self._first)]
 
 
 def open_shapes(model: MarkerModel) -> Float64:

@@ -30,6 +30,19 @@ class TrackedHand:
     state: TrackingState
 
 
+@dataclass(frozen=True, slots=True)
+class Labels:
+    """Names that a person (or a file) gave to markers in the first capture, by pointing at them.
+
+    Attributes:
+        names: The markers, all of the protocol or some.
+        pixel_px: Where each was pointed at in the image of the tracking camera, shape (K, 2).
+    """
+
+    names: tuple[str, ...]
+    pixel_px: Float64
+
+
 class Tracker(Protocol):
     """Gives detections names, capture after capture."""
 
@@ -51,6 +64,11 @@ class Tracker(Protocol):
     @property
     def expected_m(self) -> Float64 | None:
         """Where the markers are expected in the next capture, camera frame, (M, 3); None when unknown."""
+        ...
+
+    @property
+    def complaint(self) -> str | None:
+        """What keeps the hand from being tracked, one sentence for a person; None if nothing does."""
         ...
 
     def observe(self, detections: Detections) -> tuple[TrackedHand, ...]:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 import pytest
 
 from rehab_app.cameras import Truth, VirtualCamera, virtual_camera
-from rehab_app.geometry.detections import Detections
+from rehab_app.geometry.detections import Detections, lifted
 from rehab_app.hand.protocol import load_protocol
 from rehab_app.tracking import KinematicTracker, TrackedHand
 from sessions.records import JOINTS, LANDMARKS, Side, Status
-from sessions.records.fields import Int64
+from sessions.records.fields import Float64, Int64
 
 PROTOCOL = load_protocol("thesis25")
 TIPS = [LANDMARKS.index(f"{digit}_tip") for digit in ("thumb", "index", "middle", "ring", "little")]
@@ -49,18 +49,24 @@ def capture(
     order = rng.permutation(len(depth))
     pixel, depth = pixel[order], depth[order]
     owner = np.concatenate([owner, np.full(extra, -1)])[order]
-    std = np.full(len(depth), 0.1), np.full(len(depth), 0.0006)
-    covariance = camera.intrinsics.lift_covariance(pixel, depth, *std)
-    points = camera.intrinsics.lift(pixel, depth)
-    detections = Detections(camera.time_ns(index), pixel, points, covariance, np.ones(len(depth)))
-    return Capture(detections, owner)
+    return Capture(lifted_at(camera, index, pixel, depth), owner)
+
+
+def lifted_at(camera: VirtualCamera, index: int, pixel_px: Float64, depth_m: Float64) -> Detections:
+    count = len(depth_m)
+    return lifted(
+        camera.time_ns(index),
+        pixel_px,
+        depth_m,
+        camera.intrinsics,
+        pixel_std_px=np.full(count, 0.1),
+        depth_std_m=np.full(count, 0.0006),
+        similarity=np.ones(count),
+    )
 
 
 def blank(camera: VirtualCamera, index: int) -> Capture:
-    empty = Detections(
-        camera.time_ns(index), np.empty((0, 2)), np.empty((0, 3)), np.empty((0, 3, 3)), np.empty(0)
-    )
-    return Capture(empty, np.empty(0, np.int64))
+    return Capture(lifted_at(camera, index, np.empty((0, 2)), np.empty(0)), np.empty(0, np.int64))
 
 
 def follow(tracker: KinematicTracker, captures: Sequence[Capture]) -> list[TrackedHand]:
@@ -147,14 +153,8 @@ def test_the_order_of_detections_means_nothing() -> None:
     rng = np.random.default_rng(0)
     shuffled: list[Capture] = []
     for one in captures:
-        order, d = rng.permutation(len(one.owner)), one.detections
-        detections = Detections(
-            d.t_capture_ns,
-            d.pixel_px[order],
-            d.p_camera_m[order],
-            d.covariance_m2[order],
-            d.similarity[order],
-        )
+        order = rng.permutation(len(one.owner))
+        detections = one.detections.rows(order)
         shuffled.append(Capture(detections, one.owner[order]))
     one, other = (follow(KinematicTracker(PROTOCOL, "right"), group)[-1] for group in (captures, shuffled))
     assert other.pose.joints_rad == pytest.approx(one.pose.joints_rad, abs=1e-5)
@@ -173,7 +173,10 @@ def test_a_blank_is_a_gap_and_a_lost_hand_is_found_again() -> None:
     assert tracker.expected_m is None
     hands += follow(tracker, captures[70:])
     assert tracker.state == "tracking"
-    for index in (41, 60, 74):
+    assert (hands[41].markers.status == Status.ESTIMATED).all()
+    assert np.isfinite(hands[41].pose.joints_rad).all()
+    assert (hands[41].pose.joint_status == Status.ESTIMATED).all()
+    for index in (60, 74):
         assert (hands[index].markers.status == Status.LOST).all()
         assert np.isnan(hands[index].pose.joints_rad).all()
         assert (hands[index].pose.joint_status == Status.LOST).all()
@@ -207,16 +210,7 @@ def test_memory_of_a_long_wait_is_bounded() -> None:
     tracker = KinematicTracker(PROTOCOL, "right")
     assert follow(tracker, [blank(camera, index) for index in range(600)]) == []
     later = [
-        Capture(
-            Detections(
-                camera.time_ns(600 + index),
-                one.detections.pixel_px,
-                one.detections.p_camera_m,
-                one.detections.covariance_m2,
-                one.detections.similarity,
-            ),
-            one.owner,
-        )
+        Capture(replace(one.detections, t_capture_ns=camera.time_ns(600 + index)), one.owner)
         for index, one in enumerate(captures)
     ]
     assert 450 <= len(follow(tracker, later)) <= 470
