@@ -10,6 +10,7 @@ from rehab_app import __version__
 from rehab_app.cli import demo, files, people, recording, serving, therapy, track
 from rehab_app.cli.calibration_files import calibrate
 from rehab_app.cli.camera import camera
+from rehab_app.cli.grasp import grasp
 from rehab_app.cli.refusals import Commands
 
 app = typer.Typer(
@@ -46,6 +47,7 @@ app.command("track")(track.track)
 app.command("approve")(recording.approve)
 app.command("rehearse")(therapy.rehearse)
 app.command("play")(therapy.play)
+app.command("grasp")(grasp)
 app.command("report")(files.report)
 app.command("info")(files.info)
 app.command("verify")(files.verify)

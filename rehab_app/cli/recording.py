@@ -35,21 +35,60 @@ def import_(
 
 
 def record(
-    exercise: Annotated[str, typer.Option("--exercise", help="Movement to show.")] = "open_close",
+    exercise: Annotated[
+        str, typer.Option("--exercise", help="Movement; one of the virtual camera's where that records.")
+    ] = "open_close",
     side: Side = "right",
     seconds: Annotated[float, typer.Option("--seconds", help="Length, s.")] = 8.0,
+    camera: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--camera",
+            help="Camera as `camera list` names it, such as webcam:0; more to look on from elsewhere.",
+            show_default="virtual",
+        ),
+    ] = None,
+    protocol: Annotated[
+        str, typer.Option("--protocol", help="Marker protocol, by name or TOML file.")
+    ] = "thesis25",
+    tracker: Annotated[str, typer.Option("--tracker", help="kinematic or rbmcda.")] = "kinematic",
+    person: Annotated[
+        str,
+        typer.Option("--subject", "--patient", help="Id (never a name) of whose hand it is."),
+    ] = "",
+    consent_images: Annotated[
+        bool, typer.Option("--consent-images", help="The person consented: store the images too.")
+    ] = False,
     seed: Seed = 1,
     out: Out = None,
     data: Data = None,
     json: Json = False,
 ) -> None:
-    """Record a take from the virtual camera."""
+    """Record a take from a camera."""
     from rehab_app.access import CONSOLE
     from rehab_app.bootstrap import open_clinic
+    from rehab_app.cli.progress import watching
+    from rehab_app.services.patients import side_named
+    from rehab_app.services.recording_request import VIRTUAL, RecordingRequest
 
     output = Output(json)
-    with open_clinic(data) as clinic:
-        summary = clinic.takes.record_virtual(exercise, side, seconds, seed, CONSOLE, out)
+    first, *beside = camera or [VIRTUAL]
+    request = RecordingRequest(
+        exercise=exercise,
+        side=side_named(side),
+        seconds=seconds,
+        camera=first,
+        beside=tuple(beside),
+        protocol=protocol,
+        tracker=tracker,
+        person=person,
+        consent_images=consent_images,
+        seed=seed,
+    )
+    with open_clinic(data) as clinic, watching(output, seconds) as listeners:
+        summary = clinic.takes.record(request, CONSOLE, out, listeners)
+    for complaint in summary.recording.complaints if summary.recording else ():
+        output.say(complaint)
     _tell(output, summary)
 
 
@@ -73,6 +112,17 @@ def approve(
 
 def summary_json(summary: ImportedSummary) -> dict[str, Any]:
     """A new take, as JSON: ``take`` is its path."""
+    recording = summary.recording
+    more: dict[str, Any] = {}
+    if recording is not None:
+        more = {
+            "dropped": recording.dropped,
+            "measured_share": recording.measured_share,
+            "estimated_share": recording.estimated_share,
+            "lost_share": recording.lost_share,
+            "residual_m": recording.residual_m,
+            "complaints": list(recording.complaints),
+        }
     return {
         "take": summary.path,
         "id": summary.take,
@@ -80,6 +130,7 @@ def summary_json(summary: ImportedSummary) -> dict[str, Any]:
         "landmarks": summary.landmarks,
         "frames": summary.frames,
         "gaps": summary.gaps,
+        **more,
     }
 
 

@@ -1,29 +1,32 @@
 """Records a take from a camera: every capture goes through the pipeline into the file as it comes.
 
 The file begins once the hand is learnt (its header states the hand), with the captures since the first one.
-Images are shown, never stored. Whatever interrupts the recording leaves a recoverable partial file.
+It is written on a thread of its own: neither the disk nor an image's compression holds up the next capture.
+Images are stored only with consent. Whatever interrupts the recording leaves a recoverable partial file.
 """
 
 from __future__ import annotations
 
 import time
-import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from rehab_app.cameras import Camera, Frame
+from rehab_app.cameras import Camera, Frame, Outage
+from rehab_app.geometry.view import PRIMARY, View
 from rehab_app.hand.protocol import MarkerProtocol
-from rehab_app.hand.subject import Subject, subject_to_json
-from rehab_app.recording.pipeline import LivePose, Pipeline
-from rehab_app.recording.take import SHORTEST_S, TakeRecorder
-from rehab_app.tracking import KinematicTracker, TrackedHand
-from rehab_app.vision import MarkerDetector
+from rehab_app.hand.subject import Subject
+from rehab_app.recording.behind import Behind
+from rehab_app.recording.live_pose import LivePose
+from rehab_app.recording.noted import Noted
+from rehab_app.recording.pipeline import Pipeline, Seen
+from rehab_app.recording.take import SHORTEST_S
+from rehab_app.recording.writing import TakeFacts, TakeWriting, no_hand
+from rehab_app.tracking import Tracker, make_tracker
+from rehab_app.vision import Detector, make_detector
 from sessions.errors import Refused
-from sessions.records import SIDES, SessionHeader, Side, Status
-from sessions.records.fields import UInt8
+from sessions.records import SIDES, Side, Status
 from sessions.store.diskfile import check_target
 from sessions.timebase import Timebase
 
@@ -42,6 +45,8 @@ class TakeOrder:
         seconds: Length, 1 to 3600 s, from the first capture.
         software_version: Version of the application.
         subject_id: Pseudonym of the person, empty if unknown.
+        consent_images: Whether the person consented to images being stored: they are, then.
+        calibration_digest: Digest of the camera's calibration; empty for that of its intrinsics alone.
 
     Raises:
         Refused: The side or the length is out of bounds.
@@ -53,6 +58,8 @@ class TakeOrder:
     seconds: float
     software_version: str
     subject_id: str = ""
+    consent_images: bool = False
+    calibration_digest: str = ""
 
     def __post_init__(self) -> None:
         if self.side not in SIDES:
@@ -75,8 +82,11 @@ class RecordedTake:
         landmarks: Markers per capture.
         gaps: Unbroken spans in which a marker was not measured, over all markers.
         measured_share: Share of all markers in all captures that were measured.
+        estimated_share: Share that was estimated.
+        lost_share: Share that was lost.
         residual_m: rms distance of fitted from seen markers.
         subject: The person's hand as learnt.
+        complaints: What went wrong meanwhile, one sentence each.
     """
 
     path: Path
@@ -87,26 +97,37 @@ class RecordedTake:
     landmarks: int
     gaps: int
     measured_share: float
+    estimated_share: float
+    lost_share: float
     residual_m: float
     subject: Subject
+    complaints: tuple[str, ...]
 
 
 def record_take(
-    camera: Camera,
+    cameras: Camera | Sequence[Camera],
     protocol: MarkerProtocol,
     order: TakeOrder,
     *,
+    tracker: Tracker | None = None,
+    detector: Detector | None = None,
+    views: Sequence[View] = (PRIMARY,),
     on_frame: Callable[[LivePose], None] | None = None,
+    on_outage: Callable[[Outage], None] | None = None,
     finished: Callable[[], bool] | None = None,
     timebase: Timebase | None = None,
 ) -> RecordedTake:
-    """Record one take with the kinematic tracker, as fast as the camera gives frames.
+    """Record one take, as fast as the camera gives frames.
 
     Args:
-        camera: Not yet open; it is opened and closed here.
+        cameras: One or several, not yet open; they are opened and closed here.
         protocol: Markers that the hand wears.
         order: What to record.
-        on_frame: Told of every capture, on this thread.
+        tracker: Names the markers; the kinematic one by default.
+        detector: Finds them; the default one by default.
+        views: Where each camera stands.
+        on_frame: Told of every capture, on this thread; it must not take long.
+        on_outage: Told while a camera gives nothing, about twice a second.
         finished: Asked at every capture whether to end early.
         timebase: Pairing of the camera's clock with UTC; by default read at the first capture.
 
@@ -115,18 +136,29 @@ def record_take(
             no file is left then.
     """
     check_target(order.path)
-    pipeline = Pipeline(MarkerDetector(), KinematicTracker(protocol, order.side))
-    writing = _Writing(order, protocol, camera, timebase)
+    several = (cameras,) if not isinstance(cameras, Sequence) else tuple(cameras)
+    naming = tracker or make_tracker("kinematic", protocol, order.side)
+    pipeline = Pipeline(detector or make_detector(), naming, views)
     end = _End(order.seconds, finished)
-    with camera:
+    with ExitStack() as opened:
+        for camera in several:
+            opened.enter_context(camera)
+        recording = _Recording(order, protocol, several[0], timebase)
         try:
-            for seen in pipeline.run(camera, end):
-                writing.take(seen.tracked, pipeline.tracker.subject, seen.frame)
+            for seen in pipeline.run(several, end):
+                if isinstance(seen, Outage):
+                    recording.outage(seen)
+                    if on_outage is not None:
+                        on_outage(seen)
+                    if end.over(seen.t_ns):
+                        break
+                    continue
+                recording.take(seen, naming.subject)
                 if on_frame is not None:
                     on_frame(seen.live)
-            return writing.seal(pipeline.tracker.subject)
+            return recording.seal(naming.subject)
         finally:
-            writing.close()
+            recording.close()
 
 
 class _End:
@@ -137,88 +169,95 @@ class _End:
         self._finished = finished
         self._first_ns: int | None = None
 
+    def over(self, t_ns: int) -> bool:
+        """Whether it is over at a time; before the first capture, only if it is asked to end."""
+        if self._finished is not None and self._finished():
+            return True
+        return self._first_ns is not None and t_ns - self._first_ns > self._length_ns
+
     def __call__(self, frame: Frame) -> bool:
         if self._first_ns is None:
             self._first_ns = frame.t_capture_ns
-        beyond = frame.t_capture_ns - self._first_ns > self._length_ns
-        return beyond or (self._finished is not None and self._finished())
+        return self.over(frame.t_capture_ns)
 
 
-class _Writing:
-    """The file that grows, and the figures of what is in it."""
+class _Recording:
+    """The file that grows behind the pipeline."""
 
     def __init__(
         self, order: TakeOrder, protocol: MarkerProtocol, camera: Camera, timebase: Timebase | None
     ) -> None:
         self._order = order
         self._protocol = protocol
-        self._camera = camera
         self._timebase = timebase
-        self._recorder: TakeRecorder | None = None
+        facts = TakeFacts(
+            path=order.path,
+            side=order.side,
+            exercise=order.exercise,
+            software_version=order.software_version,
+            source=camera.name,
+            calibration_digest=order.calibration_digest or camera.intrinsics.digest,
+            subject_id=order.subject_id,
+            consent_images=order.consent_images,
+        )
+        self._writing = TakeWriting(facts, protocol)
+        self._behind = Behind()
+        self._noted = Noted()
         self._dropped = 0
-        self._statuses: list[UInt8] = []
-        self._squares_m2: list[float] = []
 
-    def take(self, tracked: tuple[TrackedHand, ...], subject: Subject | None, frame: Frame) -> None:
-        """Append what was understood; the file is opened by the first of it."""
-        self._timebase = self._timebase or _paired(frame.t_capture_ns)
-        self._dropped += frame.dropped
-        if not tracked or subject is None:
-            return
-        if self._recorder is None:
-            self._recorder = TakeRecorder(self._order.path, self._header(subject, self._timebase))
-        for one in tracked:
-            self._recorder.add(one.markers, one.pose)
-            self._statuses.append(one.markers.status)
-            self._squares_m2.append(one.pose.residual_m**2)
+    def take(self, seen: Seen, subject: Subject | None) -> None:
+        """Queue what was understood, and the images where they may be stored."""
+        frame, timebase = seen.frame, self._timebase or _paired(seen.frame.t_capture_ns)
+        self._timebase = timebase
+        self._dropped += seen.instant.dropped
+        events = self._noted.of(seen)
+        images = frame if self._order.consent_images else None
+
+        def write() -> None:
+            self._writing.take(seen.tracked, subject, timebase)
+            for event in events:
+                self._writing.note(event)
+            if images is not None:
+                self._writing.picture(images)
+
+        self._behind.do(write)
+
+    def outage(self, outage: Outage) -> None:
+        """Queue the note that there are no captures."""
+        for event in self._noted.of_outage(outage):
+            self._behind.do(lambda noted=event: self._writing.note(noted))
 
     def seal(self, subject: Subject | None) -> RecordedTake:
         """Finish the file."""
-        if self._recorder is None or subject is None:
-            raise Refused(
-                "hand",
-                "never seen open and still",
-                f"an open {self._order.side} hand with {len(self._protocol.names)} markers for 0.7 s",
-                "hold it open and still before the camera, then move",
-            )
-        duration_s = self._recorder.duration_s
-        sealed = self._recorder.seal()
-        measured = np.array(self._statuses) == Status.MEASURED
-        starts = ~measured & np.pad(measured[:-1], ((1, 0), (0, 0)), constant_values=True)
+        self._behind.finish()
+        if subject is None:
+            self._writing.discard()
+            raise no_hand(self._order.side, self._protocol, self._noted.sentences)
+        written = self._writing.seal()
+        quality = written.quality
         return RecordedTake(
-            path=sealed.path,
-            sha256=sealed.sha256,
-            frames=len(measured),
+            path=written.path,
+            sha256=written.sha256,
+            frames=quality.frames,
             dropped=self._dropped,
-            duration_s=duration_s,
-            landmarks=measured.shape[1],
-            gaps=int(starts.sum()),
-            measured_share=float(measured.mean()),
-            residual_m=float(np.sqrt(np.nanmean(self._squares_m2))),
+            duration_s=written.duration_s,
+            landmarks=len(self._protocol.names),
+            gaps=quality.gaps,
+            measured_share=quality.share(Status.MEASURED),
+            estimated_share=quality.share(Status.ESTIMATED),
+            lost_share=quality.share(Status.LOST),
+            residual_m=quality.residual_m,
             subject=subject,
+            complaints=self._noted.sentences,
         )
 
     def close(self) -> None:
-        """Let go of the file; what is not sealed stays as a partial."""
-        if self._recorder is not None:
-            self._recorder.__exit__(None, None, None)
-
-    def _header(self, subject: Subject, timebase: Timebase) -> SessionHeader:
-        return SessionHeader(
-            session_id=uuid.uuid4().hex,
-            kind="take",
-            subject_id=self._order.subject_id,
-            side=self._order.side,
-            exercise=self._order.exercise,
-            source=self._camera.name,
-            software_version=self._order.software_version,
-            utc_start_ns=timebase.utc_start_ns,
-            monotonic_start_ns=timebase.monotonic_start_ns,
-            calibration_digest=self._camera.intrinsics.digest,
-            marker_protocol=self._protocol.name,
-            marker_names=self._protocol.names,
-            subject_hand=subject_to_json(subject),
-        )
+        """Write what waits, then let go of the file; what is not sealed stays as a partial."""
+        try:
+            self._behind.finish()
+        finally:
+            self._behind.close()
+            self._writing.close()
 
 
 def _paired(t_capture_ns: int) -> Timebase:

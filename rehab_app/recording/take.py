@@ -6,13 +6,24 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 
 from rehab_app.hand.subject import geometry_from_json
 from robot_iface.kinematics import HandGeometry, forward
 from sessions.errors import Refused
-from sessions.records import JOINTS, LANDMARKS, Event, HandPose, JointStates, MarkerFrame, Side, Transforms
+from sessions.records import (
+    JOINTS,
+    LANDMARKS,
+    Event,
+    HandPose,
+    JointStates,
+    MarkerFrame,
+    Side,
+    Topic,
+    Transforms,
+)
 from sessions.records.fields import Float64, Int64, UInt8
 from sessions.records.header import SessionHeader
 from sessions.records.topics import EVENTS, HAND_JOINTS, HAND_POSE, MARKERS, TRANSFORMS
@@ -79,6 +90,15 @@ class TakeRecorder:
     def note(self, event: Event) -> None:
         """Append an event."""
         self._writer.write(EVENTS, event)
+
+    def write(self, records: Iterable[tuple[Topic, Any]]) -> None:
+        """Append other records, such as images.
+
+        Raises:
+            Refused: The header states no consent to images, or the disk is full.
+        """
+        for topic, record in records:
+            self._writer.write(topic, record)
 
     def seal(self) -> SealedSession:
         """Finish the take.

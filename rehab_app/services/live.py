@@ -20,6 +20,8 @@ from rehab_app.services.audit import Audit
 from rehab_app.services.live_board import Board
 from rehab_app.services.live_recording import RecordingJob, RecordingOrder
 from rehab_app.services.live_therapy import TherapyJob
+from rehab_app.services.patients import side_named
+from rehab_app.services.recording_request import PROTOCOL, VIRTUAL, RecordingRequest
 from rehab_app.services.snapshot import BUSY, LiveSnapshot
 from rehab_app.services.takes import Takes
 from rehab_app.services.therapy import Therapy
@@ -72,24 +74,51 @@ class LiveDesk:
         seconds: float,
         countdown_s: float = 3.0,
         seed: int | None = None,
+        *,
+        camera: str = VIRTUAL,
+        protocol: str = PROTOCOL,
+        person: str = "",
+        consent_images: bool = False,
     ) -> None:
-        """Count down and record from the virtual camera in real time.
+        """Count down and record in real time.
+
+        Args:
+            account: Who records.
+            exercise: Name of the movement.
+            side: Side of the hand.
+            seconds: Longest length.
+            countdown_s: Seconds before it begins.
+            seed: Of the virtual camera; drawn if None.
+            camera: Which camera, as ``camera list`` names it.
+            protocol: Marker protocol.
+            person: Pseudonym of whose hand it is, empty if unknown.
+            consent_images: Whether the person consented to images being stored.
 
         Raises:
             Refused: The role may not record, the desk is busy, stop is pressed, or a value is out of bounds.
         """
         require(account, "record")
-        self._takes.check_recording(exercise, side, seconds)
         if not 0.0 <= countdown_s <= 30.0:
             raise Refused("countdown", f"{countdown_s:g} s", "0 to 30 s", "choose a shorter countdown")
         drawn = secrets.randbelow(2**31) if seed is None else seed
-        order = RecordingOrder(account, exercise, side, seconds, countdown_s, drawn)
+        request = RecordingRequest(
+            exercise=exercise,
+            side=side_named(side),
+            seconds=seconds,
+            camera=camera,
+            protocol=protocol,
+            person=person,
+            consent_images=consent_images,
+            seed=drawn,
+            realtime=True,
+        )
+        order = RecordingOrder(account, request, countdown_s)
         with self._starting:
             self._check_free()
             self._board.begin(
                 state="countdown",
                 message="Get ready: hand open and still.",
-                side=side,
+                side=request.side,
                 countdown_s=countdown_s,
             )
             self._start(RecordingJob(self._board, self._takes, order))

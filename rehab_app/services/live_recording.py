@@ -1,4 +1,4 @@
-"""Records a take from the virtual camera in real time, with a countdown."""
+"""Records a take in real time, with a countdown, and shows it on the live board."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ import time
 from dataclasses import dataclass
 
 from rehab_app.access import Account
-from rehab_app.recording.pipeline import LivePose
+from rehab_app.cameras import Outage
+from rehab_app.recording.live_pose import LivePose
 from rehab_app.services.live_board import Board
+from rehab_app.services.picture_maker import PictureMaker
+from rehab_app.services.recording_request import RecordingRequest
+from rehab_app.services.take_sources import Listeners
 from rehab_app.services.takes import Takes
 
 _STEP_S = 0.1
-_JPEG_PERIOD_S = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,19 +24,13 @@ class RecordingOrder:
 
     Attributes:
         actor: Who records.
-        exercise: Exercise name.
-        side: Side of the hand.
-        seconds: Longest length.
+        request: What.
         countdown_s: Seconds before it begins.
-        seed: Seed of the virtual camera.
     """
 
     actor: Account
-    exercise: str
-    side: str
-    seconds: float
+    request: RecordingRequest
     countdown_s: float
-    seed: int
 
 
 class RecordingJob:
@@ -44,12 +41,10 @@ class RecordingJob:
         self._takes = takes
         self._order = order
         self._finish = threading.Event()
-        self._stopped = False
-        self._next_jpeg_s = 0.0
+        self._pictures = PictureMaker(board)
 
     def stop(self) -> None:
         """Stop was pressed: nothing moves here, but the recording ends and keeps what there is."""
-        self._stopped = True
         self._finish.set()
 
     def finish(self) -> None:
@@ -60,7 +55,7 @@ class RecordingJob:
         """Count down, record, seal.
 
         Raises:
-            Refused: The take came out shorter than 1 s, or the recording failed.
+            Refused: The camera cannot be used, no hand was seen, or the take came out shorter than 1 s.
         """
         order = self._order
         end_s = time.monotonic() + order.countdown_s
@@ -70,17 +65,10 @@ class RecordingJob:
         if self._finish.is_set():
             self._board.update(state="idle", message="The recording was called off.", countdown_s=0.0)
             return
-        self._board.update(state="recording", message="Recording.", countdown_s=0.0)
-        summary = self._takes.record_virtual(
-            order.exercise,
-            order.side,
-            order.seconds,
-            order.seed,
-            order.actor,
-            realtime=True,
-            on_frame=self._show,
-            finished=self._finish.is_set,
-        )
+        self._board.update(state="recording", message="Opening the camera.", countdown_s=0.0)
+        listeners = Listeners(self._show, self._show_outage, self._finish.is_set)
+        with self._pictures:
+            summary = self._takes.record(order.request, order.actor, listeners=listeners)
         self._board.update(
             state="done",
             message=f"Take {summary.take} recorded ({summary.duration_s:.1f} s). Look at it and approve it.",
@@ -88,16 +76,36 @@ class RecordingJob:
         )
 
     def _show(self, live: LivePose) -> None:
-        """Publish one frame; the image at 10 Hz, which is what a page can use of it."""
+        """Publish one frame; its picture is made elsewhere, of the newest frame only."""
         shown = {} if live.geometry is None else {"geometry": live.geometry}
         self._board.picture(
             t_s=live.t_s,
             therapist_joints_rad=live.joints_rad,
             tracking_quality=live.quality,
+            estimated_share=live.estimated,
+            lost_share=live.lost,
+            dropped=live.dropped,
+            message=_sentence(live),
             state="processing" if self._finish.is_set() else "recording",
             **shown,
         )
-        now_s = time.monotonic()
-        if now_s >= self._next_jpeg_s:
-            self._next_jpeg_s = now_s + _JPEG_PERIOD_S
-            self._board.jpeg = live.jpeg()
+        self._pictures.show(live)
+
+    def _show_outage(self, outage: Outage) -> None:
+        """Say that the camera gives nothing; no frame is counted, so that the picture goes stale."""
+        self._board.update(message=outage.reason, tracking_quality=0.0, therapist_joints_rad=None)
+
+
+_STATES = {
+    "searching": "Looking for an open hand: hold it still, all markers towards the camera.",
+    "calibrating": "Learning the hand: keep it open and still.",
+    "tracking": "Recording.",
+    "lost": "The hand is lost: show it open to the camera.",
+}
+
+
+def _sentence(live: LivePose) -> str:
+    """What the person at the screen should know now."""
+    if live.fault:
+        return live.fault
+    return live.complaint or _STATES[live.state]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from rehab_app.recording.recorder import RecordedTake
 from robot_iface.kinematics import HandGeometry
 from robot_iface.types import Plan
 from sessions.records import Event, Side
@@ -72,6 +73,7 @@ class ImportedSummary:
         landmarks: Landmarks or markers per frame.
         frames: Number of frames.
         gaps: Spans in which some landmark was not seen.
+        recording: More of a recording; None of an import.
     """
 
     take: str
@@ -80,6 +82,7 @@ class ImportedSummary:
     landmarks: int
     frames: int
     gaps: int
+    recording: RecordedTake | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -51,6 +51,9 @@ class LiveSnapshot:
         interaction_nm: Largest torque between robot and patient now, None outside therapy.
         safety_state: Supervisor state's name, "" outside therapy.
         tracking_quality: Share of markers measured (0 to 1), None outside recording.
+        estimated_share: Share of markers that was only estimated in the last second of a recording.
+        lost_share: Share of markers that was lost in the last second of a recording.
+        dropped: Captures that the camera lost in this recording.
         countdown_s: Seconds left before recording, 0 otherwise.
         paused: Whether the path is held.
         stop_source: Who pressed stop; "" while it is not pressed.
@@ -77,6 +80,9 @@ class LiveSnapshot:
     interaction_nm: float | None = None
     safety_state: str = ""
     tracking_quality: float | None = None
+    estimated_share: float = 0.0
+    lost_share: float = 0.0
+    dropped: int = 0
     countdown_s: float = 0.0
     paused: bool = False
     stop_source: str = ""

@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from rehab_app.access import Account, require
+from rehab_app.cameras import CameraListing, list_cameras
 from rehab_app.cameras.scripted_motion import MOTIONS
 from rehab_app.config import ClinicFolder
 from rehab_app.errors import Refused
-from rehab_app.recording.pipeline import LivePose
+from rehab_app.hand.protocol import PROTOCOLS, load_protocol
+from rehab_app.hand.subject import Subject
 from rehab_app.recording.take import HandMotion, read_motion
 from rehab_app.services import storage
 from rehab_app.services.audit import Audit
+from rehab_app.services.calibrations import Calibrations, Hands
 from rehab_app.services.patients import side_named
+from rehab_app.services.recording_request import RecordingRequest
 from rehab_app.services.rows import ImportedSummary, TakeRow
-from rehab_app.services.take_sources import Recorded, import_take, record_take
+from rehab_app.services.take_sources import Listeners, Recorded, import_take, record_take, worth_keeping
+from rehab_app.tracking.bare_hand import PROTOCOL as BARE_HAND
 from sessions.catalogue import Approval, Catalogue, Take
-from sessions.records import Side
 from sessions.store import SessionReader
-
-SHORTEST_S = 1.0
-LONGEST_S = 600.0
 
 
 class Takes:
@@ -31,12 +31,23 @@ class Takes:
         folder: The clinic folder.
         catalogue: Its catalogue.
         audit: Where verbs are noted.
+        calibrations: Calibrated cameras.
+        hands: Known hands.
     """
 
-    def __init__(self, folder: ClinicFolder, catalogue: Catalogue, audit: Audit) -> None:
+    def __init__(
+        self,
+        folder: ClinicFolder,
+        catalogue: Catalogue,
+        audit: Audit,
+        calibrations: Calibrations,
+        hands: Hands,
+    ) -> None:
         self._folder = folder
         self._catalogue = catalogue
         self._audit = audit
+        self._calibrations = calibrations
+        self._hands = hands
 
     def list(self) -> tuple[TakeRow, ...]:
         """All takes, newest first."""
@@ -55,6 +66,19 @@ class Takes:
     def exercises(self) -> tuple[str, ...]:
         """Exercises that the virtual camera knows."""
         return MOTIONS
+
+    def cameras(self) -> tuple[CameraListing, ...]:
+        """Cameras that can be recorded from; none is opened."""
+        return list_cameras()
+
+    def protocols(self) -> tuple[tuple[str, str], ...]:
+        """Name and description of the built-in protocols that a camera can see: markers, and a bare hand."""
+        known = [load_protocol(name) for name in PROTOCOLS]
+        return tuple(
+            (one.name, one.description)
+            for one in known
+            if one.name == BARE_HAND or any(marker.colour for marker in one.markers)
+        )
 
     def import_file(
         self,
@@ -75,64 +99,55 @@ class Takes:
         target = storage.new_file(self._folder.takes)
         return self._keep(import_take(path, side, protocol, target), "import", actor, out)
 
-    def record_virtual(
+    def record(
         self,
-        exercise: str,
-        side: str,
-        seconds: float,
-        seed: int,
+        request: RecordingRequest,
         actor: Account,
         out: Path | None = None,
-        *,
-        realtime: bool = False,
-        on_frame: Callable[[LivePose], None] | None = None,
-        finished: Callable[[], bool] | None = None,
+        listeners: Listeners | None = None,
     ) -> ImportedSummary:
-        """Record from the virtual camera, as fast as it goes unless in real time.
+        """Record from a camera; the virtual one goes as fast as it can unless in real time.
+
+        The camera's newest calibration is used, and the person's hand where it is known; a hand that was
+        learnt well is kept for the next time.
 
         Args:
-            exercise: One of ``exercises()``.
-            side: Side of the hand.
-            seconds: Length, 1 to 600 s.
-            seed: Seed of the camera's noise and the hand's sway.
+            request: What to record.
             actor: Who records.
             out: A copy for the user.
-            realtime: Frames come at their time of capture.
-            on_frame: Told of every frame.
-            finished: Asked at every frame whether to end early.
+            listeners: Who is told meanwhile.
+
+        Raises:
+            Refused: The actor may not record, the camera cannot be used, or the take is shorter than 1 s.
+        """
+        require(actor, "record")
+        storage.check_out(out)
+        target = storage.new_file(self._folder.takes)
+        known = self._known_hand(request)
+        cameras = (request.camera, *request.beside)
+        recorded = record_take(
+            request,
+            target,
+            calibrations=tuple(self._calibrations.current(camera) for camera in cameras),
+            subject=known,
+            listeners=listeners or Listeners(),
+        )
+        taken = recorded.taken
+        if request.person and taken is not None and worth_keeping(taken):
+            name = load_protocol(request.protocol).name
+            self._hands.keep(actor, request.person, name, taken.subject)
+        return self._keep(recorded, "record", actor, out)
+
+    def record_virtual(
+        self, exercise: str, side: str, seconds: float, seed: int, actor: Account, out: Path | None = None
+    ) -> ImportedSummary:
+        """Record from the virtual camera as fast as it goes: see ``record``.
 
         Raises:
             Refused: The actor may not record, a value is out of bounds, or the take is shorter than 1 s.
         """
-        require(actor, "record")
-        sided = self.check_recording(exercise, side, seconds)
-        storage.check_out(out)
-        target = storage.new_file(self._folder.takes)
-        recorded = record_take(
-            exercise,
-            sided,
-            seconds,
-            seed,
-            target,
-            realtime=realtime,
-            on_frame=on_frame,
-            finished=finished,
-        )
-        return self._keep(recorded, "record", actor, out)
-
-    def check_recording(self, exercise: str, side: str, seconds: float) -> Side:
-        """Refuse what cannot be recorded, before anything starts; the side as one that exists.
-
-        Raises:
-            Refused: A value is out of bounds.
-        """
-        if exercise not in MOTIONS:
-            raise Refused("exercise", repr(exercise), "one of " + ", ".join(MOTIONS), "choose one of them")
-        if not SHORTEST_S <= seconds <= LONGEST_S:
-            raise Refused(
-                "take", f"{seconds:g} s long", f"{SHORTEST_S:g} to {LONGEST_S:g} s", "choose another length"
-            )
-        return side_named(side)
+        request = RecordingRequest(exercise=exercise, side=side_named(side), seconds=seconds, seed=seed)
+        return self.record(request, actor, out)
 
     def approve(self, take: str | Path, by: Account) -> Approval:
         """Approve exactly this file for play.
@@ -176,6 +191,12 @@ class Takes:
                 f"take {row.id}", f"changed (SHA-256 {met[:12]})", row.sha256[:12], "restore it from a backup"
             )
 
+    def _known_hand(self, request: RecordingRequest) -> Subject | None:
+        if not request.person:
+            return None
+        name = load_protocol(request.protocol).name
+        return self._hands.current(request.person, request.side, name)
+
     def _keep(self, recorded: Recorded, verb: str, actor: Account, out: Path | None) -> ImportedSummary:
         """Enter a new take file into the catalogue and copy it where the user wants one."""
         row = self._row(self._enter(recorded.path))
@@ -187,7 +208,7 @@ class Takes:
             storage.copy_sealed(row.path, out, row.sha256)
         shown = row.path if out is None else out
         return ImportedSummary(
-            row.id, shown, row.duration_s, recorded.landmarks, recorded.frames, recorded.gaps
+            row.id, shown, row.duration_s, recorded.landmarks, recorded.frames, recorded.gaps, recorded.taken
         )
 
     def _entered(self, path: Path) -> Take:

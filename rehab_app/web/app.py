@@ -106,6 +106,7 @@ def _live_routes() -> list[BaseRoute]:
     return [
         Route("/live", page(live.live), methods=["GET"]),
         Route("/live/takes", page(live.takes), methods=["GET"]),
+        Route("/live/cameras", page(live.cameras, "record"), methods=["GET"]),
         does("beat", live.beat, "view"),
         does("record", live.record, "record"),
         does("finish", live.finish, "record"),

@@ -127,10 +127,24 @@ function show(state) {
   figure("phase", playing ? now.phase : "");
   figure("repetition", playing && now.repetition > 0 ? `${now.repetition} of ${now.repetitions}` : "");
   figure("tracking", now.state === "recording" && now.tracking_percent !== null ? `${now.tracking_percent} %` : "");
+  showQuality();
   showPatient();
   if (performance.now() > refusedUntil) say(now.message, now.state === "failed" ? "bad" : now.paused ? "caution" : "");
   showDesk();
   if (now.state === "done" && now.take && !now.session && now.take !== knownTake) listTakes("");
+}
+
+function showQuality() {
+  const estimated = now.estimated_percent ?? 0;
+  const lost = now.lost_percent ?? 0;
+  const known = now.tracking_percent !== null;
+  const shares = { measured: known ? Math.max(0, 100 - estimated - lost) : 0, estimated: known ? estimated : 0, lost: known ? lost : 0 };
+  for (const [name, share] of Object.entries(shares)) {
+    document.querySelector(`[data-share=${name}]`).style.width = share + "%";
+    fill(name, known ? share + " %" : "–");
+  }
+  fill("dropped", now.dropped ? `, ${now.dropped} captures lost` : "");
+  byId("quality").setAttribute("aria-label", `Markers in the last second: ${shares.measured} % measured, ${estimated} % estimated, ${lost} % lost`);
 }
 
 function showDesk() {
@@ -182,6 +196,35 @@ async function listTakes(chosen) {
   if (chosen) choose(byId("tab-play"));
 }
 document.querySelector("select[name=patient]").addEventListener("change", showPatient);
+
+// --- cameras: asked for when the list is about to be used, because looking for devices takes a moment
+
+const cameraList = document.querySelector("select[name=camera]");
+let cameras = [];
+
+async function listCameras() {
+  const answer = await fetch("/live/cameras", { headers: { Accept: "application/json" } });
+  if (!answer.ok) return;
+  cameras = await answer.json();
+  const kept = cameraList.value;
+  cameraList.replaceChildren(...cameras.map((one) => {
+    const option = new Option(one.ready ? one.words : `${one.words} (${one.state})`, one.id, false, one.id === kept);
+    option.disabled = !one.ready;
+    return option;
+  }));
+  hintCamera();
+}
+
+function hintCamera() {
+  const one = cameras.find((item) => item.id === cameraList.value);
+  const needs = cameras.filter((item) => !item.ready && item.remedy).map((item) => `${item.words}: ${item.remedy}`);
+  const depth = one && !one.has_depth ? "No depth: places in space rest on the size of the hand alone. " : "";
+  const virtual = cameraList.value === "virtual" ? "It renders a hand with markers. " : depth;
+  byId("camera-hint").textContent = virtual + needs.join(" ");
+}
+cameraList.addEventListener("change", hintCamera);
+byId("tab-record").addEventListener("click", listCameras);
+if (location.hash === "#record") listCameras();
 
 // --- freshness: the picture carries the number of the frame that it shows
 

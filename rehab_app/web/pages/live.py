@@ -8,6 +8,7 @@ from pathlib import Path
 from starlette.responses import JSONResponse, Response
 
 from rehab_app.errors import Refused
+from rehab_app.services.recording_request import LIVE_KINDS, PROTOCOL, VIRTUAL
 from rehab_app.web.live_state import live_state
 from rehab_app.web.visit import Visit
 from rehab_app.web.words import EXERCISES, MODES, TWINS
@@ -22,6 +23,7 @@ def live(visit: Visit) -> Response:
     return visit.page(
         "live.html.j2",
         exercises=clinic.takes.exercises(),
+        protocols=clinic.takes.protocols(),
         takes=clinic.takes.list(),
         patients=clinic.patients.list(),
         modes=MODES,
@@ -62,16 +64,37 @@ def takes(visit: Visit) -> Response:
 
 
 def record(visit: Visit) -> Response:
-    """Count down and record from the virtual camera."""
+    """Count down and record."""
     visit.site.clinic.live.start_recording(
         visit.account,
         visit.asked("exercise"),
         visit.asked("side"),
         _number(visit, "seconds", *_SECONDS),
         countdown_s=_number(visit, "countdown", "countdown", "a number of seconds"),
+        camera=_camera(visit),
+        protocol=_protocol(visit),
+        person=visit.asked("person"),
+        consent_images=visit.asked("consent") == "yes",
     )
     visit.site.operator.take_over(visit.asked("page"))
     return visit.go("/live", "Recording starts after the countdown.")
+
+
+def cameras(visit: Visit) -> Response:
+    """Cameras that can be recorded from, for the list of the page."""
+    return JSONResponse(
+        [
+            {
+                "id": one.id,
+                "words": one.label,
+                "ready": one.state == "ready",
+                "state": one.state,
+                "has_depth": one.has_depth,
+                "remedy": one.remedy,
+            }
+            for one in visit.site.clinic.takes.cameras()
+        ]
+    )
 
 
 def finish(visit: Visit) -> Response:
@@ -132,6 +155,23 @@ def _take(visit: Visit) -> str:
         raise Refused("take", "not chosen", "an approved take", "choose one, or record and approve one first")
     if Path(named).name != named or not named.isalnum():
         raise Refused(f"take {named!r}", "no catalogue id", "letters and digits", "choose it from the list")
+    return named
+
+
+def _camera(visit: Visit) -> str:
+    """A camera of the list. A browser never names files, so anything else is refused."""
+    named = visit.asked("camera") or VIRTUAL
+    if named.partition(":")[0] not in (VIRTUAL, *LIVE_KINDS):
+        raise Refused("camera", repr(named[:40]), "a camera of the list", "choose it from the list")
+    return named
+
+
+def _protocol(visit: Visit) -> str:
+    """A protocol of the list, for the same reason."""
+    named = visit.asked("protocol") or PROTOCOL
+    known = [name for name, _ in visit.site.clinic.takes.protocols()]
+    if named not in known:
+        raise Refused("marker protocol", repr(named[:40]), "one of " + ", ".join(known), "choose it")
     return named
 
 

@@ -1,0 +1,85 @@
+"""``rehab-app grasp`` through the real command line."""
+
+from __future__ import annotations
+
+import json
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from rehab_app.cli.app import app
+
+
+def run(*arguments: object, code: int = 0) -> tuple[dict[str, Any], str]:
+    result = CliRunner().invoke(app, ["grasp", *(str(item) for item in arguments), "--json"])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    assert result.exit_code == code, result.output
+    return json.loads(result.stdout), result.stderr
+
+
+def test_the_thesis_posture_of_the_robot() -> None:
+    content, said = run(
+        *(
+            "--object",
+            "cylinder:radius=0.0225",
+            "--hand",
+            "dlr-hit-ii",
+            "--grip",
+            "transverse",
+            "--method",
+            "thesis",
+        )
+    )
+    assert content["z_m"] == pytest.approx(-0.007262, abs=1e-6)
+    assert content["alpha_rad"] == pytest.approx(-0.178914, abs=1e-5)
+    assert set(content["radius_m"]) == {"thumb", "index", "middle", "ring", "little"}
+    assert set(content["radius_m"]["thumb"]) == {"mcp", "ip"}
+    assert set(content["radius_m"]["index"]) == {"pip", "dip"}
+    assert content["penetration_m"] == pytest.approx(0.0177, abs=1e-3)
+    assert any("cuts" in warning for warning in content["warnings"])
+    assert "alpha -10.251 deg" in said
+
+
+def test_a_person_with_path_and_picture(tmp_path: Path) -> None:
+    picture = tmp_path / "grip.svg"
+    content, _ = run(
+        *("--object", "cylinder:radius=0.03", "--hand", "human:length=0.189", "--side", "left"),
+        *("--grip", "diagonal", "--path", "--plot", picture),
+    )
+    assert content["side"] == "left"
+    assert content["penetration_m"] <= 1e-5
+    assert {at["digit"] for at in content["contacts"]} >= {"palm", "index", "little"}
+    path = content["path"]
+    assert len(path["s"]) == len(path["joints_rad"]["index_pip"]) == 101
+    assert path["joints_rad"]["ring_pip"][-1] == pytest.approx(content["angles_rad"]["ring_pip"], abs=1e-12)
+    root = ElementTree.parse(picture).getroot()
+    assert root.tag.endswith("svg")
+    assert len(root.findall(".//{*}line")) == 30
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("cylinder:radius=0", "human"), "above 0 m"),
+        (("cylinder:radius=inf", "human"), "finite"),
+        (("cylinder:radius=big", "human"), "name=number"),
+        (("teapot", "human"), "cylinder:radius=R"),
+        (("cylinder:radius=0.03", "human:length=3"), "0.10 to 0.26 m"),
+        (("cylinder:radius=0.03", "claw"), "dlr-hit-ii or human"),
+        (("cylinder:radius=0.4", "dlr-hit-ii"), "for this hand"),
+        (("cylinder:radius=0.0225", "dlr-hit-ii", "--alpha-rad", "nan"), "inclination"),
+        (("cylinder:radius=0.0225", "dlr-hit-ii", "--grip", "hook"), "transverse or diagonal"),
+        (("cylinder:radius=0.0225", "dlr-hit-ii", "--side", "left"), "a right hand"),
+        (("cylinder:radius=0.0225", "human", "--plot", "grip.exe"), ".svg"),
+        (("sphere:radius=0.02", "dlr-hit-ii", "--grip", "pinch"), "--hand human"),
+        (("sphere:radius=0.02", "human", "--grip", "pinch", "--path"), "without"),
+    ],
+)
+def test_bad_input_is_a_sentence(arguments: tuple[str, ...], words: str) -> None:
+    thing, hand, *rest = arguments
+    content, said = run("--object", thing, "--hand", hand, *rest, code=1)
+    assert words in content["error"]["message"]
+    assert "Traceback" not in said
