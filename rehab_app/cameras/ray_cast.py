@@ -123,7 +123,7 @@ def _dot(x: Float32, y: Float32, vector: Float64) -> Float32:
 
 
 def _nearer_root(a: Float32, b: Float32, c: float) -> Float32:
-    """Smaller root of a z^2 - 2 b z + c = 0; NaN where the ray misses."""
-    with np.errstate(invalid="ignore"):
+    """Smaller root of a z^2 - 2 b z + c = 0; NaN where the ray misses, infinite along the axis."""
+    with np.errstate(invalid="ignore", divide="ignore"):
         root: Float32 = (b - np.sqrt(b * b - a * np.float32(c))) / a
     return root
