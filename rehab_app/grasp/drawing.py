@@ -26,7 +26,7 @@ def posture_svg(posture: Posture) -> str:
         f'viewBox="0 0 {width:.0f} {height:.0f}" font-family="sans-serif" font-size="13">',
         f"<title>{posture.grip} grip, {posture.method}</title>",
         '<rect width="100%" height="100%" fill="white"/>',
-        section.drawn(_MARGIN_PX, _section_of(thing), posture),
+        section.drawn(_MARGIN_PX, _palm_line(posture, section) + _section_of(thing), posture),
         palm.drawn(section.width_px + 2 * _MARGIN_PX, _band_of(thing, palm), posture),
         *_legend(posture, height),
         "</svg>",
@@ -67,6 +67,15 @@ class _View:
             body += f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="2"/>'
         body += f'<text x="4" y="16">{self._title}</text>'
         return f'<g transform="translate({left_px:.0f},{_MARGIN_PX})">{body}</g>'
+
+
+def _palm_line(posture: Posture, view: _View) -> str:
+    """The palm's surface, from the wrist's side to the knuckles."""
+    up = view.y(-posture.thing.half_depth_m)
+    far = view.x(float(posture.points_m[1:, 0, 1].max()))
+    return (
+        f'<line x1="0" y1="{up:.1f}" x2="{far:.1f}" y2="{up:.1f}" stroke="#6b7280" stroke-dasharray="6 4"/>'
+    )
 
 
 def _section_of(thing: Thing) -> str:

@@ -66,20 +66,18 @@ def contact_fingers(hand: GraspHand, thing: Thing, grip: str, alpha_rad: float |
     closing = FingerClosing(hand, thing)
     span = _Z_PARTS[0] * _reach_m(hand), _Z_PARTS[1] * _reach_m(hand)
     alphas = _ALPHA_RAD[grip] if alpha_rad is None else (alpha_rad, alpha_rad)
-    # no finger is asked to lie over the palm of an object whose inclination was given beyond the grip's own
-    in_palm = _IN_PALM[grip] if _ALPHA_RAD["transverse"][0] <= alphas[0] or grip == "diagonal" else (2, 3)
+    in_palm = _IN_PALM[grip]
     if isinstance(thing, Sphere):
-        alphas, in_palm = (0.0, 0.0), _IN_PALM["transverse"]
+        alphas, in_palm = (0.0, 0.0), _IN_PALM["transverse"]  # a ball has no axis to incline
+    elif alphas[0] < _ALPHA_RAD["transverse"][0]:
+        in_palm = _IN_PALM["diagonal"]  # an object asked to lie that steeply leaves the index finger's palm
     held = search(closing, span, alphas, in_palm)
     if not math.isfinite(held.objective_m):
-        held = hold(
-            closing,
-            max(0.0, -float((closing.heights_m(np.zeros(1), np.array(alphas[:1])))[0].min())),
-            alphas[0],
-        )
-        why = held.why or ("no place in the palm lets all fingers touch it",)
         raise Refused(
-            "grip", f"not possible: {why[0]}", "a posture inside every joint's range", "choose another size"
+            "grip",
+            f"not possible: {_why_not(closing, alphas[0])}",
+            "a posture inside every joint's range",
+            "choose another size",
         )
     closed = held.closed
     return Fingers(
@@ -139,6 +137,13 @@ def tangent_points_m(hand: GraspHand, radius_m: float, u_m: Float64, touch: Tang
 
 def _reach_m(hand: GraspHand) -> float:
     return float(hand.knuckles_m[1, 2] + hand.links_m[1].sum())
+
+
+def _why_not(closing: FingerClosing, alpha_rad: float) -> str:
+    """What fails where the object lies in the palm right below the knuckles."""
+    lowest_m = float(closing.heights_m(np.zeros(1), np.array([alpha_rad])).min())
+    why = hold(closing, max(0.0, -lowest_m / math.cos(alpha_rad)), alpha_rad).why
+    return why[0] if why else "no place in the palm lets all fingers touch it"
 
 
 def _edge_warning(held: Held, grip: str, alphas: tuple[float, float]) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ import numpy as np
 from rehab_app.errors import Refused
 from sessions.records.fields import Float64
 
+_LARGEST_M = 10.0
 _SEARCH_STEPS = 24  # to a micrometre of a phalanx
 _GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
 
@@ -158,8 +159,10 @@ def named_sizes(thing: str, text: str, rest: str) -> dict[str, float]:
 
 
 def _positive(thing: str, value_m: float) -> None:
-    if not np.isfinite(value_m) or value_m <= 0:
-        raise Refused(thing, f"{value_m:g} m", "a finite length above 0 m", "measure the object")
+    if not 0.0 < value_m <= _LARGEST_M:
+        raise Refused(
+            thing, f"{value_m:g} m", f"above 0 m and at most {_LARGEST_M:g} m", "measure the object"
+        )
 
 
 def _nearest_to_origin(start: Float64, end: Float64) -> Float64:

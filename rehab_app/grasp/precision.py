@@ -1,8 +1,8 @@
 """Tripod, pinch and lateral grips of a person's hand: pads of the digits on a small thing.
 
 The thesis recorded these grips and left them for later work (section 6.2); there is no table to compare with.
-The thing counts as a ball of its half thickness, pads as capsules; which of the many possible postures is taken
-is decided by nearness to a hand at rest, so the posture is a plausible one, not a predicted one.
+The thing counts as a ball of its half thickness, pads as capsules; which of the many possible postures is
+taken is decided by nearness to a hand at rest, so the posture is a plausible one, not a predicted one.
 """
 
 from __future__ import annotations

@@ -46,10 +46,16 @@ def test_levels(method: Method) -> None:
 
 @pytest.mark.parametrize("method", QUICK, ids=lambda method: method.name)
 @pytest.mark.parametrize("noisy", [False, True], ids=["clean", "noisy"])
-def test_a_real_hand(method: Method, noisy: bool, shared_data: Path) -> None:
+@pytest.mark.parametrize("side", [1, -1], ids=["one side", "other side"])
+def test_a_real_hand(method: Method, side: int, noisy: bool, shared_data: Path) -> None:
     seeds = (100, 101, 102, 103, 104) if noisy else (100,)
-    label = "real hand, noisy" if noisy else "real hand, clean"
-    row = measured(method, label, lambda seed: mocap_sequence(shared_data, seed, noisy=noisy), seeds)
+    label = f"real hand, {'noisy' if noisy else 'clean'}{'' if side > 0 else ', other side'}"
+    row = measured(
+        method,
+        label,
+        lambda seed: mocap_sequence(shared_data, seed, noisy=noisy, side_of_axis=side),
+        seeds,
+    )
     say(row.line())
     if method.name == "kinematic":
         assert row.idf1 >= (0.95 if noisy else 0.9995)

@@ -49,11 +49,7 @@ def run_tracker(name: str, sequence: PointSequence, seed: int = 0) -> Run:
 
 
 def _pixels(hand: TrackedHand, sequence: PointSequence) -> Float64:
-    """Where the markers are said to be in the image: as measured, or the projected estimate, (M, 2).
-
-    A pixel measured by one of several cameras may be that of another image: there the point is projected.
-    """
+    """Where the markers are said to be in the image: the projected point, else the blob itself, (M, 2)."""
     points = np.where(hand.markers.p_camera_m[:, 2:] > 0.05, hand.markers.p_camera_m, np.nan)
-    said = sequence.intrinsics.project(points)
-    seen = hand.markers.pixel_px if len(sequence.views) == 1 else np.full(said.shape, np.nan)
-    return np.where(np.isfinite(seen), seen, said)
+    placed = sequence.intrinsics.project(points)
+    return np.where(np.isfinite(placed), placed, hand.markers.pixel_px)

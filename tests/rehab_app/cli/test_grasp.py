@@ -57,14 +57,14 @@ def test_a_person_with_path_and_picture(tmp_path: Path) -> None:
     assert path["joints_rad"]["ring_pip"][-1] == pytest.approx(content["angles_rad"]["ring_pip"], abs=1e-12)
     root = ElementTree.parse(picture).getroot()
     assert root.tag.endswith("svg")
-    assert len(root.findall(".//{*}line")) == 30
+    assert len(root.findall(".//{*}line")) == 31
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (("cylinder:radius=0", "human"), "above 0 m"),
-        (("cylinder:radius=inf", "human"), "finite"),
+        (("cylinder:radius=inf", "human"), "at most 10 m"),
         (("cylinder:radius=big", "human"), "name=number"),
         (("teapot", "human"), "cylinder:radius=R"),
         (("cylinder:radius=0.03", "human:length=3"), "0.10 to 0.26 m"),

@@ -141,6 +141,12 @@ def test_no_place_nearby_or_far_is_better() -> None:
         assert not volar or other.objective_m >= best.objective_m - 2e-5
 
 
+def test_the_lowest_cell_of_the_grid_need_not_be_the_lowest_valley() -> None:
+    hand = human_hand(average_hand(0.19))
+    best = search(FingerClosing(hand, Cylinder(0.012)), (-0.019, 0.0665), (-0.26, 0.26), (0, 1, 2, 3))
+    assert best.objective_m < 0.197  # the valley of the grid's lowest cell ends at .1981
+
+
 def test_human_radii_around_60_mm() -> None:
     measured = {"index": (28, 33), "middle": (37, 32), "ring": (37, 38), "little": (43, 32)}  # Table 5.4
     posture = find_posture(parse_hand("human:length=0.189"), Cylinder(0.030))
