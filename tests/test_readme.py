@@ -8,6 +8,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+from rehab_app.cameras.sequence import point_sequence
+from rehab_app.cameras.sequence_file import write_detections_npz
+
 REPOSITORY = Path(__file__).resolve().parents[1]
 FRAMES = 450
 NOT_RUN = ("rehab-app serve",)  # runs until it is interrupted: the browser test serves a clinic
@@ -31,6 +34,7 @@ def short_recording(shared_data: Path) -> str:
 
 def test_every_command_of_the_readme_works(tmp_path: Path, shared_data: Path) -> None:
     (tmp_path / "recording.tsv").write_text(short_recording(shared_data))
+    write_detections_npz(point_sequence("easy", 1, 90), tmp_path / "points.npz")
     environment = os.environ | {"REHAB_DATA": str(tmp_path / "clinic")}
     found = commands()
     assert len(found) >= 8
@@ -49,3 +53,4 @@ def test_every_command_of_the_readme_works(tmp_path: Path, shared_data: Path) ->
         assert "Traceback" not in done.stderr
     assert list((tmp_path / "report").glob("*.html"))
     assert (tmp_path / "session.mcap").is_file()
+    assert (tmp_path / "tracks.npz").is_file()

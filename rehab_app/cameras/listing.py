@@ -42,7 +42,7 @@ def list_cameras() -> tuple[CameraListing, ...]:
     Videos and recorded sessions are cameras too, but are named by their file: see ``open_camera``.
     """
     return (
-        CameraListing(VIRTUAL, "Virtual camera before a moving hand", "ready", True),
+        CameraListing(VIRTUAL, "Virtual camera", "ready", True),
         *_realsense(),
         *_kinects(),
         *_openni(),

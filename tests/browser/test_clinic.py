@@ -95,6 +95,7 @@ def test_sign_in(page, served, look):
 
 def test_record_and_approve(page, look):
     page.get_by_role("tab", name="Record a take").click()
+    look("03-record", tablet=True)
     page.get_by_label("Length, s").fill("4")
     page.get_by_label("Countdown, s").fill("1")
     button(page, "Record$").click()

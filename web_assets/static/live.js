@@ -137,14 +137,16 @@ function show(state) {
 function showQuality() {
   const estimated = now.estimated_percent ?? 0;
   const lost = now.lost_percent ?? 0;
-  const known = now.tracking_percent !== null;
+  // while the hand is still learnt, blobs are seen that have no name yet: neither measured nor lost
+  const unnamed = lost === 100 && now.tracking_percent > 0;
+  const known = now.tracking_percent !== null && !unnamed;
   const shares = { measured: known ? Math.max(0, 100 - estimated - lost) : 0, estimated: known ? estimated : 0, lost: known ? lost : 0 };
   for (const [name, share] of Object.entries(shares)) {
     document.querySelector(`[data-share=${name}]`).style.width = share + "%";
     fill(name, known ? share + " %" : "–");
   }
   fill("dropped", now.dropped ? `, ${now.dropped} captures lost` : "");
-  byId("quality").setAttribute("aria-label", `Markers in the last second: ${shares.measured} % measured, ${estimated} % estimated, ${lost} % lost`);
+  byId("quality").setAttribute("aria-label", known ? `Markers in the last second: ${shares.measured} % measured, ${estimated} % estimated, ${lost} % lost` : "Markers: not named yet");
 }
 
 function showDesk() {

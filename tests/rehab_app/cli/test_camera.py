@@ -34,7 +34,7 @@ def test_listing_says_what_is_there() -> None:
     content, _ = run("list", "--json")
     assert content["cameras"][0] == {
         "id": "virtual",
-        "label": "Virtual camera before a moving hand",
+        "label": "Virtual camera",
         "state": "ready",
         "has_depth": True,
         "remedy": "",
