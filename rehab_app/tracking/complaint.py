@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rehab_app.hand.marker_model import MarkerModel
 from rehab_app.hand.protocol import MarkerProtocol
@@ -15,7 +16,8 @@ from sessions.records.fields import Float64
 _FIT_M = 0.012
 _FEW = 0.4  # share of the markers below which there is no hand to speak of
 _LOOSE = 0.35
-_MANY = 1.7
+_MANY = 1.5  # times the markers, from which on a second hand is looked for
+_PARTING_ROUNDS = 8
 _NAMED = 5
 
 
@@ -36,14 +38,24 @@ class Complaints:
             for one in (self._side, self._other)
         }
 
-    def searching(self, points_m: Float64) -> str:
-        """Why no open hand was found among detections (D, 3)."""
+    def searching(self, points_m: Float64, in_view: int = 0) -> str:
+        """Why no open hand was found.
+
+        Args:
+            points_m: Places of blobs, shape (D, 3).
+            in_view: Blobs of the latest capture, where the places are only of those that keep still.
+        """
         count = len(self._protocol.names)
-        if len(points_m) < max(_FEW * count, 3):
+        few = max(_FEW * count, 3)
+        if len(points_m) < few <= in_view:
+            return f"Hold the open hand still for a second: the {in_view} blobs in view are moving."
+        if len(points_m) < few:
             return (
-                f"No hand with markers is in view: {len(points_m)} of the {count} markers of "
+                f"No hand with markers is in view: {max(len(points_m), in_view)} of the {count} markers of "
                 f"{self._protocol.name} can be seen."
             )
+        if len(points_m) >= _MANY * count and self._two(points_m):
+            return two_hands()
         ours, theirs = (self._laid(points_m, side) for side in (self._side, self._other))
         if theirs is not None and (ours is None or theirs.residual_m < 0.7 * ours.residual_m):
             return f"This looks like a {self._other} hand; a {self._side} hand was announced."
@@ -52,8 +64,6 @@ class Complaints:
                 f"{len(points_m)} blobs are in view, but no open {self._side} hand with the {count} markers "
                 f"of {self._protocol.name}: hold the hand open, its back to the camera."
             )
-        if self._second(points_m, ours):
-            return two_hands()
         missing = [
             name for name, row in zip(self._protocol.names, ours.detection, strict=True) if row == NONE
         ]
@@ -64,12 +74,28 @@ class Complaints:
         found = label_open_hand(points_m, self._shapes[side], missing=missing)
         return found if found is not None and found.residual_m < _FIT_M else None
 
-    def _second(self, points_m: Float64, first: Labelling) -> bool:
-        """Whether the rest of the detections is a hand as well."""
-        rest = np.delete(points_m, first.detection[first.detection != NONE], axis=0)
-        if len(points_m) < _MANY * len(self._protocol.names):
-            return False
-        return any(self._laid(rest, side) is not None for side in (self._side, self._other))
+    def _two(self, points_m: Float64) -> bool:
+        """Whether the detections fall into two parts that are a hand each."""
+        first = _parted(points_m)
+        return all(
+            any(self._laid(part, side) is not None for side in (self._side, self._other))
+            for part in (points_m[first], points_m[~first])
+        )
+
+
+def _parted(points_m: Float64) -> NDArray[np.bool_]:
+    """Points in two groups about two middles: which belong to the first, shape (D,)."""
+    middle = points_m.mean(axis=0)
+    _, _, axes = np.linalg.svd(points_m - middle, full_matrices=False)
+    along = (points_m - middle) @ axes[0]
+    first = along > 0.0
+    for _ in range(_PARTING_ROUNDS):
+        if first.all() or not first.any():
+            break
+        ends = [np.median(points_m[rows], axis=0) for rows in (first, ~first)]
+        to_first, to_second = (np.linalg.norm(points_m - end, axis=1) for end in ends)
+        first = to_first < to_second
+    return first
 
 
 def unseen(names: list[str]) -> str:

@@ -19,6 +19,7 @@ from rehab_app.tracking.complaint import Complaints, unseen
 from rehab_app.tracking.description import unknown
 from rehab_app.tracking.labelling import NONE, placed_points
 from rehab_app.tracking.open_hand import OpenHand
+from rehab_app.tracking.other_side import SideCheck
 from rehab_app.tracking.pursuit import Pursuit
 from rehab_app.tracking.start import LabelledCapture, checked, labelled
 from rehab_app.tracking.tracked import Labels, TrackedHand, TrackingState
@@ -57,6 +58,7 @@ class KinematicTracker:
         self._pursuit = Pursuit(protocol, side, subject)
         self._open_hand = OpenHand(protocol, side)
         self._complaints = Complaints(protocol, side)
+        self._side_check = SideCheck(protocol, side)
         self._held: deque[Detections] = deque(maxlen=_HELD)
         self._looked = 0
         self._complaint: str | None = None
@@ -108,7 +110,7 @@ class KinematicTracker:
         self._looked += 1
         capture = labelled(detections, labels, self.marker_names)
         if int((capture.row != NONE).sum()) >= _FEWEST:
-            return (self._pursuit.begin(capture),)
+            return (self._begin(capture),)
         self._complaint = "The named pixels meet no blobs: name markers where they are seen."
         if self._looked >= _LABELS_FOR:
             self._labels = None
@@ -121,7 +123,7 @@ class KinematicTracker:
         if not self._open_hand.found:
             self._looked += 1
             if self._looked % _LOOK_EVERY == 0:
-                self._complaint = self._complaints.searching(placed_points(primary))
+                self._complaint = self._complaints.searching(self._open_hand.spots_m, len(primary))
             return ()
         self._complaint = None
         if not shown or (match := self._open_hand.first_match) is None:
@@ -143,11 +145,15 @@ class KinematicTracker:
             elif one.t_capture_ns == start_ns:
                 rows = np.flatnonzero(one.view == 0)
                 row = np.where(match == NONE, NONE, rows[match])
-                result.append(self._pursuit.begin(LabelledCapture(one, row, len(one))))
+                result.append(self._begin(LabelledCapture(one, row, len(one))))
             else:
                 result.append(self._pursue(one))
         self._held.clear()
         return tuple(result)
+
+    def _begin(self, capture: LabelledCapture) -> TrackedHand:
+        self._side_check.feed(_named(capture.detections, capture.row))
+        return self._pursuit.begin(capture)
 
     def _pursue(self, detections: Detections) -> TrackedHand:
         tracked = self._pursuit.take(detections)
@@ -157,9 +163,18 @@ class KinematicTracker:
                 primary = detections.rows(np.flatnonzero(detections.view == 0))
                 self._complaint = self._complaints.searching(placed_points(primary))
             return self._unknown(detections)
+        self._side_check.feed(_named(detections, tracked.detection))
         never = self._pursuit.never_seen
-        self._complaint = unseen([self.marker_names[marker] for marker in never]) if len(never) else None
+        missing = unseen([self.marker_names[marker] for marker in never]) if len(never) else None
+        self._complaint = self._side_check.complaint or missing
         return tracked
 
     def _unknown(self, detections: Detections) -> TrackedHand:
         return unknown(detections.t_capture_ns, len(self.marker_names), self.state)
+
+
+def _named(detections: Detections, row: Int64) -> Float64:
+    """Points of the markers' detections, NaN where there is none or it has no depth, shape (M, 3)."""
+    if not len(detections):
+        return np.full((len(row), 3), np.nan)
+    return np.where((row != NONE)[:, None], detections.p_camera_m[row], np.nan)

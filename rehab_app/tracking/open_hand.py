@@ -1,29 +1,39 @@
-"""The first second: an open, still hand is given its names, and the person's hand is learnt from it."""
+"""The first second: an open, still hand is given its names from what stands still in the image."""
 
 from __future__ import annotations
+
+from collections import deque
 
 import numpy as np
 
 from rehab_app.geometry.detections import Detections
-from rehab_app.hand.calibration import calibrate_subject
 from rehab_app.hand.marker_model import MarkerModel
 from rehab_app.hand.protocol import MarkerProtocol
-from rehab_app.hand.series import LandmarkSeries
-from rehab_app.hand.subject import Subject, average_subject
-from rehab_app.tracking.labelling import NONE, label_open_hand, placed_points
+from rehab_app.hand.subject import average_subject
+from rehab_app.tracking.labelling import NONE, Labelling, label_open_hand, placed_points
+from rehab_app.tracking.still_spots import nearest_in_image, still_spots
 from sessions.records import JOINTS, Side
 from sessions.records.fields import Float64, Int64
 
 FRAMES = 20
-"""Frames of a still hand that the subject is learnt from."""
-_MEANS = 5
+"""Captures of a still hand after which tracking begins."""
+_LOOK_AT = 9  # captures that the names are read from
+_LOOK_EVERY = 3
+_SHARE = 0.5  # of the captures, in which a marker must be seen
 _STILL_M = 0.012
 _MISSING = 2
+_MISSING_AT_ONCE = 0.3  # share of the markers that one capture may lack
+_BLANKS = 3
 _FIT_M = 0.012
+_MIRRORED = 0.8
+_RIVAL = 0.6  # share of the markers that a second hand must show
 
 
 class OpenHand:
     """Watches detections until a still, open hand has shown itself for long enough.
+
+    Names are read from spots where blobs keep appearing, not from one capture, so that misses, flickering
+    blobs and bad depths in each capture do not matter. A hand of the other side is refused, and so are two.
 
     Args:
         protocol: The markers that it wears.
@@ -31,73 +41,106 @@ class OpenHand:
     """
 
     def __init__(self, protocol: MarkerProtocol, side: Side) -> None:
-        self._protocol = protocol
-        self._side: Side = side
-        self._shapes = open_shapes(MarkerModel(average_subject(protocol, side), protocol))
-        self._first: Float64 | None = None
-        self._frames: list[tuple[int, Float64]] = []
-        self._match: Int64 | None = None
+        self._count = len(protocol.names)
+        other: Side = "left" if side == "right" else "right"
+        self._shapes, self._mirrored = (
+            open_shapes(MarkerModel(average_subject(protocol, one), protocol)) for one in (side, other)
+        )
+        self._recent: deque[Detections] = deque(maxlen=_LOOK_AT)
+        self._watched = 0
+        self._blanks = 0
+        self._spots: Float64 | None = None
+        self._frames: list[tuple[int, Float64, Int64]] = []
 
     @property
     def found(self) -> bool:
-        """Whether an open hand is in view and being learnt."""
-        return self._first is not None
+        """Whether an open hand is in view and being watched."""
+        return self._spots is not None
 
     @property
     def labelled(self) -> tuple[tuple[int, Float64], ...]:
         """Capture time and markers (M, 3) of each frame labelled so far, NaN where one is missing."""
-        return tuple(self._frames)
+        return tuple((t_ns, p_m) for t_ns, p_m, _ in self._frames)
 
     @property
     def expected_m(self) -> Float64 | None:
         """Where the markers were when the hand was found, shape (K, 3)."""
-        return None if self._first is None else self._first[np.isfinite(self._first).all(axis=1)]
+        return None if self._spots is None else self._spots[np.isfinite(self._spots).all(axis=1)]
 
     @property
     def first_match(self) -> Int64 | None:
         """Detection of each marker in the first of those frames, shape (M,)."""
-        return self._match
+        return self._frames[0][2] if self._frames else None
+
+    @property
+    def spots_m(self) -> Float64:
+        """What stood still of late, named or not, shape (K, 3)."""
+        return still_spots(self._recent, _SHARE) if self._recent else np.empty((0, 3))
 
     def watch(self, detections: Detections) -> bool:
         """Take one capture; whether enough of them show a still hand by now."""
-        points = placed_points(detections)
-        if self._first is None or (match := _near(self._first, points)) is None:
-            self._begin(detections.t_capture_ns, points)
+        self._recent.append(detections)
+        self._watched += 1
+        if self._spots is None:
+            if len(self._recent) == _LOOK_AT and self._watched % _LOOK_EVERY == 0:
+                self._look()
             return False
-        self._frames.append((detections.t_capture_ns, _picked(points, match)))
-        return len(self._frames) >= FRAMES
-
-    def feed(self, detections: Detections) -> Subject | None:
-        """Take one capture; the subject once enough of them show a still hand.
-
-        Raises:
-            Refused: What kept still is no human hand.
-        """
-        if not self.watch(detections):
-            return None
-        return calibrate_subject(self._means(), self._protocol, self._side)
+        if not self._follow(detections, self._spots):
+            self.forget()
+            return False
+        return len(self._frames) >= FRAMES and self._lasting()
 
     def forget(self) -> None:
         """Begin anew."""
-        self._first, self._frames, self._match = None, [], None
+        self._spots, self._frames, self._blanks = None, [], 0
 
-    def _means(self) -> LandmarkSeries:
-        """Means over a few frames each: of a still hand they tell as much, and the fit is quicker."""
-        points = np.array([p_m for _, p_m in self._frames]).reshape(_MEANS, -1, len(self._protocol.names), 3)
-        seen = np.isfinite(points)
-        mean = np.where(seen, points, 0.0).sum(axis=1) / np.where(seen.any(axis=1), seen.sum(axis=1), np.nan)
-        times = (
-            np.array([t_ns for t_ns, _ in self._frames], dtype=np.float64).reshape(_MEANS, -1).mean(axis=1)
-        )
-        return LandmarkSeries(1e-9 * (times - times[0]), self._protocol.names, mean)
+    def _look(self) -> None:
+        """Look for an open hand in what stood still."""
+        spots = self.spots_m
+        found = self._laid(spots, self._shapes, _MISSING)
+        if found is None or self._doubtful(spots, found):
+            return
+        named = found.detection != NONE
+        self._spots = np.where(named[:, None], spots[found.detection], np.nan)
+        for one in self._recent:
+            self._follow(one, self._spots)
+        if not self._frames:
+            self.forget()
 
-    def _begin(self, t_ns: int, points: Float64) -> None:
-        """Look for an open hand anew; what was collected of one that moved is dropped."""
+    def _doubtful(self, spots: Float64, found: Labelling) -> bool:
+        """Whether the other side's hand fits better, or what is left over is a hand as well."""
+        mirrored = self._laid(spots, self._mirrored, _MISSING)
+        if mirrored is not None and mirrored.residual_m < _MIRRORED * found.residual_m:
+            return True
+        rest = np.delete(spots, found.detection[found.detection != NONE], axis=0)
+        missing = round((1.0 - _RIVAL) * self._count)
+        return any(self._laid(rest, one, missing) is not None for one in (self._shapes, self._mirrored))
+
+    def _follow(self, detections: Detections, spots: Float64) -> bool:
+        """Name the blobs that are still where they were; whether the hand is still there."""
+        match = nearest_in_image(spots, detections, _STILL_M)
+        named = int(np.isfinite(spots[:, 0]).sum())
+        if int((match != NONE).sum()) < (1.0 - _MISSING_AT_ONCE) * named:
+            self._blanks += 1
+            return self._blanks <= _BLANKS
+        self._blanks = 0
+        points = placed_points(detections)
+        seen = np.where((match != NONE)[:, None], points[match], np.nan)
+        self._frames.append((detections.t_capture_ns, seen, match))
+        return True
+
+    def _lasting(self) -> bool:
+        """Whether all but a few markers were seen in most captures; else the hand is forgotten."""
+        seen = np.array([match != NONE for _, _, match in self._frames]).mean(axis=0) >= _SHARE
+        if int(seen.sum()) >= self._count - _MISSING:
+            return True
         self.forget()
-        found = label_open_hand(points, self._shapes, missing=_MISSING)
-        if found is not None and found.residual_m < _FIT_M:
-            self._first, self._match = _picked(points, found.detection), found.detection
-            self._frames = [(t_ns, self._first)]
+        return False
+
+    @staticmethod
+    def _laid(points_m: Float64, shapes: Float64, missing: int) -> Labelling | None:
+        found = label_open_hand(points_m, shapes, missing=missing)
+        return found if found is not None and found.residual_m < _FIT_M else None
 
 
 def open_shapes(model: MarkerModel) -> Float64:
@@ -111,20 +154,3 @@ def open_shapes(model: MarkerModel) -> Float64:
                 joints[JOINTS.index(f"{finger}_mcp_abduction")] = spread * np.deg2rad(angle_deg)
             shapes.append(model.positions(joints))
     return np.array(shapes)
-
-
-def _near(first_m: Float64, seen_m: Float64) -> Int64 | None:
-    """The detection that stayed nearest to each marker, shape (M,); None if the hand did not keep still."""
-    if len(seen_m) < len(first_m) - 2 * _MISSING:
-        return None
-    apart = np.linalg.norm(np.nan_to_num(first_m, nan=1e3)[:, None] - seen_m, axis=2)
-    match = np.where(apart.min(axis=1) < _STILL_M, apart.argmin(axis=1), NONE)
-    # a detection that two markers claim belongs to neither
-    used, count = np.unique(match[match != NONE], return_counts=True)
-    match[np.isin(match, used[count > 1])] = NONE
-    return match if int((match == NONE).sum()) <= 2 * _MISSING else None
-
-
-def _picked(seen_m: Float64, match: Int64) -> Float64:
-    """Points of the matched detections, NaN where there is none, shape (M, 3)."""
-    return np.where((match != NONE)[:, None], seen_m[match], np.nan)
