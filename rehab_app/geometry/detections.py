@@ -1,4 +1,4 @@
-"""What was seen at one instant: blobs as rays, with a place in space where there is depth, but no name yet."""
+"""What was seen at one instant: blobs as rays, in space where there is depth, but without names yet."""
 
 from __future__ import annotations
 

@@ -59,6 +59,7 @@ def close_thumb(hand: GraspHand, thing: Thing, z_m: float, alpha_rad: float, ape
         aperture_rad: Aperture to keep; the robot's is fixed by its geometry.
     """
     chain = _chain(hand, aperture_rad)
+    largest = chain.largest_rad
 
     def gap(first: Float64, second: Float64) -> Float64:
         points = chain.points_m(first, second)
@@ -68,24 +69,22 @@ def close_thumb(hand: GraspHand, thing: Thing, z_m: float, alpha_rad: float, ape
         return thing.distance_m(placed[:, :-1], placed[:, 1:]) - hand.thumb_half_m
 
     zero = np.zeros(len(chain.starts_rad))
-    share = chain.together * chain.largest_rad[1] / chain.largest_rad[0]
+    share = chain.together * largest[1] / largest[0]
     first, met_first = first_contact(
         lambda angle: gap(angle, share * angle)[:, chain.moved :].min(axis=1),
         zero,
-        chain.largest_rad[0],
+        largest[0],
         _HALVINGS,
     )
     first = np.where(met_first, first, 0.0)
     begun = share * first
     more, met_second = first_contact(
-        lambda angle: gap(first, np.minimum(begun + angle, chain.largest_rad[1]))[:, chain.moved + 1 :].min(
-            axis=1
-        ),
+        lambda angle: gap(first, np.minimum(begun + angle, largest[1]))[:, chain.moved + 1 :].min(axis=1),
         zero,
-        chain.largest_rad[1],
+        largest[1],
         _HALVINGS,
     )
-    second = np.where(met_second, np.minimum(begun + more, chain.largest_rad[1]), begun)
+    second = np.where(met_second, np.minimum(begun + more, largest[1]), begun)
     gaps = gap(first, second)
     holds = (gaps.min(axis=1) >= -CONTACT_M) & (met_first | met_second)
     # the aperture is kept first, then the joints come near; where nothing holds, the least cut is shown
