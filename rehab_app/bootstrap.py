@@ -15,6 +15,7 @@ from rehab_app.services.calibrations import Calibrations, Hands
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.lease import ServerLease
 from rehab_app.services.live import LiveDesk
+from rehab_app.services.marker_names import MarkerNames
 from rehab_app.services.patients import Patients
 from rehab_app.services.reports import Reports
 from rehab_app.services.sessions import Sessions
@@ -55,6 +56,7 @@ def open_clinic(folder: Path | None = None, serving: bool = False) -> Clinic:
         calibrations=calibrations,
         hands=hands,
         takes=takes,
+        marker_names=MarkerNames(place, takes, calibrations),
         therapy=therapy,
         sessions=sessions,
         reports=Reports(place, sessions, audit),

@@ -24,8 +24,10 @@ def board(
     dictionary: Dictionary = "4x4_50",
     paper: Annotated[str, typer.Option("--paper", help="A4 to A0 or letter; else the smallest.")] = "",
     json: Json = False,
+    data: Data = None,
 ) -> None:
     """Write a board to print at its true size."""
+    del data  # every command takes it; this one touches no clinic folder
     from rehab_app.calibration import parse_board
     from rehab_app.calibration.board_print import SUFFIXES, draw_board, write_board
     from rehab_app.calibration.files import check_target

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rehab_app.cli.models import models
-from rehab_app.cli.options import Json
+from rehab_app.cli.options import Data, Json
 from rehab_app.cli.output import Output
 
 if TYPE_CHECKING:
@@ -22,15 +22,16 @@ camera.add_typer(models, name="models")
 
 
 @camera.callback()
-def root(context: typer.Context, json: Json = False) -> None:
+def root(context: typer.Context, data: Data = None, json: Json = False) -> None:
     """Cameras: list them, look through one."""
     if context.invoked_subcommand is None:
-        list_(json)
+        list_(data, json)
 
 
 @camera.command("list")
-def list_(json: Json = False) -> None:
+def list_(data: Data = None, json: Json = False) -> None:
     """List the cameras of this machine."""
+    del data  # every command takes it; this one touches no clinic folder
     from rehab_app.cameras import list_cameras
 
     output = Output(json)
@@ -47,9 +48,11 @@ def preview(
     name: Annotated[str, typer.Argument(metavar="CAMERA", help="As camera list names it.")] = "virtual",
     seconds: Annotated[float, typer.Option("--seconds", help="How long to look, s.")] = 2.0,
     out: Annotated[Path, typer.Option("--out", help="Picture to write (PNG or JPEG).")] = Path("preview.png"),
+    data: Data = None,
     json: Json = False,
 ) -> None:
     """Look through a camera; write one picture with the markers that were found in it."""
+    del data  # every command takes it; this one touches no clinic folder
     import cv2
 
     from rehab_app.cameras import open_camera

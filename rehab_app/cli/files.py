@@ -104,9 +104,11 @@ def verify(session: Recording, data: Data = None, json: Json = False) -> None:
 def recover(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A .partial.mcap or a cut session file.")],
     out: Out = None,
+    data: Data = None,
     json: Json = False,
 ) -> None:
     """Restore what a session file holds that was never sealed."""
+    del data  # every command takes it; this one touches no clinic folder
     from sessions.store import recover as restore
 
     output = Output(json)

@@ -8,23 +8,31 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rehab_app.cli.options import Json, Side
+from rehab_app.cli.options import Data, Json, Side
 from rehab_app.cli.output import Output
 
 if TYPE_CHECKING:
+    from rehab_app.grasp.hand import GraspHand
     from rehab_app.grasp.posture import Posture
     from rehab_app.grasp.precision import PrecisionGrip
     from rehab_app.grasp.spiral import GraspPath
 
+_DEG = 180.0 / math.pi
+
 
 def grasp(
     thing: Annotated[
-        str,
+        str | None,
         typer.Option(
-            "--object", help="cylinder:radius=R, sphere:radius=R or box:depth=D,width=W, in metres."
+            "--object",
+            help="cylinder:radius=R, sphere:radius=R or box:depth=D,width=W, in metres.",
+            show_default=False,
         ),
-    ],
-    hand: Annotated[str, typer.Option("--hand", help="dlr-hit-ii, or human:length=L in metres.")],
+    ] = None,
+    hand: Annotated[
+        str | None,
+        typer.Option("--hand", help="dlr-hit-ii, or human:length=L in metres.", show_default=False),
+    ] = None,
     grip: Annotated[
         str, typer.Option("--grip", help="transverse, diagonal, pinch, tripod or lateral.")
     ] = "transverse",
@@ -52,40 +60,41 @@ def grasp(
     plot: Annotated[
         Path | None, typer.Option("--plot", help="Picture to make (.svg).", show_default=False)
     ] = None,
+    shape: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--shape", help="Take whose hand to measure; again for more repetitions.", show_default=False
+        ),
+    ] = None,
+    data: Data = None,
     json: Json = False,
 ) -> None:
-    """Which posture a hand should take around an object, and by which path."""
+    """Which posture a hand should take around an object, and by which path; or what shape hands have."""
+    del data  # every command takes it; this one touches no clinic folder
     from rehab_app.errors import Refused
-    from rehab_app.grasp.drawing import posture_svg
-    from rehab_app.grasp.hand import coupled, human_hand, parse_hand
-    from rehab_app.grasp.objects import parse_object
-    from rehab_app.grasp.posture import find_posture
-    from rehab_app.grasp.precision import PRECISION_GRIPS, find_precision
-    from rehab_app.grasp.spiral import spiral_path
-    from rehab_app.recording.track_subject import subject_of
-    from rehab_app.services.patients import side_named
 
     output = Output(json)
+    if shape:
+        if thing is not None or hand is not None:
+            raise Refused("--shape", "given with --object or --hand", "given alone", "leave them out")
+        _tell_shape(output, shape)
+        return
+    if thing is None or hand is None:
+        missing = "--object" if thing is None else "--hand"
+        raise Refused(missing, "missing", "stated beside the other", f"give {missing}, or --shape TAKE")
+    from rehab_app.grasp.drawing import posture_svg
+    from rehab_app.grasp.hand import coupled
+    from rehab_app.grasp.objects import parse_object
+    from rehab_app.grasp.posture import find_posture
+    from rehab_app.grasp.precision import PRECISION_GRIPS
+    from rehab_app.grasp.spiral import spiral_path
+
     if plot is not None and plot.suffix.lower() != ".svg":
         raise Refused("--plot", str(plot), "a file that ends in .svg", "name the picture so")
-    grasping = parse_hand(hand, side_named(side))
-    if subject is not None:
-        if grasping.person is None:
-            raise Refused(
-                "--subject", f"given for {grasping.name}", "given for a human hand", "use --hand human"
-            )
-        grasping = human_hand(subject_of(subject).geometry)
+    grasping = _grasping(hand, side, subject)
     if grip in PRECISION_GRIPS:
-        if path or plot is not None or method != "contact" or alpha_rad is not None:
-            raise Refused(
-                f"{grip} grip",
-                "asked for with --path, --plot, --method or --alpha-rad",
-                "asked for without",
-                "leave them out",
-            )
-        held = find_precision(grasping, parse_object(thing), grip)
-        _tell_precision(output, held)
-        output.result(precision_json(held) | {"hand": grasping.name, "side": grasping.side})
+        plain = not path and plot is None and alpha_rad is None and method == "contact"
+        _precision(output, grasping, thing, grip, plain=plain)
         return
     if dip_per_pip is not None:
         grasping = coupled(grasping, dip_per_pip)
@@ -95,6 +104,39 @@ def grasp(
         plot.write_text(posture_svg(posture), encoding="utf-8")
     _tell(output, posture, way)
     output.result(posture_json(posture) | ({} if way is None else path_json(way)) | {"plot": plot})
+
+
+def _grasping(hand: str, side: str, subject: Path | None) -> GraspHand:
+    """The hand that grasps."""
+    from rehab_app.errors import Refused
+    from rehab_app.grasp.hand import human_hand, parse_hand
+    from rehab_app.recording.track_subject import subject_of
+    from rehab_app.services.patients import side_named
+
+    grasping = parse_hand(hand, side_named(side))
+    if subject is None:
+        return grasping
+    if grasping.person is None:
+        raise Refused("--subject", f"given for {grasping.name}", "given for a human hand", "use --hand human")
+    return human_hand(subject_of(subject).geometry)
+
+
+def _precision(output: Output, hand: GraspHand, thing: str, grip: str, *, plain: bool) -> None:
+    """A grip between fingertips: no path, no picture, no inclination."""
+    from rehab_app.errors import Refused
+    from rehab_app.grasp.objects import parse_object
+    from rehab_app.grasp.precision import find_precision
+
+    if not plain:
+        raise Refused(
+            f"{grip} grip",
+            "asked for with --path, --plot, --method or --alpha-rad",
+            "asked for without",
+            "leave them out",
+        )
+    held = find_precision(hand, parse_object(thing), grip)
+    _tell_precision(output, held)
+    output.result(precision_json(held) | {"hand": hand.name, "side": hand.side})
 
 
 def posture_json(posture: Posture) -> dict[str, Any]:
@@ -147,6 +189,36 @@ def path_json(way: GraspPath) -> dict[str, Any]:
             "warnings": list(way.warnings),
         }
     }
+
+
+def _tell_shape(output: Output, takes: list[Path]) -> None:
+    from rehab_app.grasp.shape_take import shape_json, shape_of_takes
+
+    found = shape_of_takes(takes)
+    measured = shape_json(found)
+    output.say(f"{measured['repetitions']} closed hands, mean +- standard deviation")
+    output.say(f"  aperture {_spoken(measured['aperture_rad'], _DEG)} deg")
+    for digit, radii in measured["radius_m"].items():
+        curved = ", ".join(f"{joint} {_spoken(entry, 1e3)} mm" for joint, entry in radii.items())
+        output.say(f"  {digit}: radius {curved}")
+    for pair, entry in measured["abduction_rad"].items():
+        apart = _spoken(measured["pip_distance_m"][pair], 1e3)
+        output.say(
+            f"  {pair.replace('_', ' and ')}: {_spoken(entry, _DEG)} deg, middle joints {apart} mm apart"
+        )
+    parts = measured["opposition_rad"]
+    output.say(
+        f"  thumb opposition {_spoken(parts['in_plane'], _DEG)} deg around the palm's axis, "
+        f"{_spoken(parts['from_axis'], _DEG)} deg from it"
+    )
+    output.result(measured)
+
+
+def _spoken(entry: dict[str, Any], factor: float) -> str:
+    if entry["mean"] is None:
+        return "unknown"
+    spread = "" if entry["sd"] is None else f" +- {factor * entry['sd']:.2f}"
+    return f"{factor * entry['mean']:.2f}{spread}"
 
 
 def _tell_precision(output: Output, held: PrecisionGrip) -> None:

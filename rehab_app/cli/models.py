@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rehab_app.cli.options import Json
+from rehab_app.cli.options import Data, Json
 from rehab_app.cli.output import Output
 from rehab_app.cli.refusals import Commands
 
@@ -26,9 +26,11 @@ def install_models(
             show_default=False,
         ),
     ] = None,
+    data: Data = None,
     json: Json = False,
 ) -> None:
     """Obtain the two networks, check them and keep them in the user's cache."""
+    del data  # every command takes it; this one touches no clinic folder
     from rehab_app.vision.markerless.install import PACKAGE, install
 
     output = Output(json)
@@ -43,8 +45,9 @@ def install_models(
 
 
 @models.command("list")
-def list_models(json: Json = False) -> None:
+def list_models(data: Data = None, json: Json = False) -> None:
     """Say which networks there are and whether they are whole."""
+    del data  # every command takes it; this one touches no clinic folder
     from rehab_app.vision.markerless.networks import INSTALL, cache_folder
 
     output = Output(json)

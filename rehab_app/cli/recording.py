@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
 
 def import_(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Qualisys TSV or MediaPipe landmark .npz.")],
+    file: Annotated[
+        Path,
+        typer.Argument(metavar="FILE", help="Qualisys TSV, C3D, MediaPipe landmark .npz or glove .csv."),
+    ],
     side: Side = "right",
     protocol: Annotated[
         str | None, typer.Option("--protocol", help="Marker protocol, by name or TOML file.")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rehab_app.cli.options import Json, Seed, Side
+from rehab_app.cli.options import Data, Json, Seed, Side
 from rehab_app.cli.output import Output
 
 if TYPE_CHECKING:
@@ -45,13 +45,25 @@ def track(
         Path | None,
         typer.Option("--subject", help="Take that states this person's hand.", show_default=False),
     ] = None,
+    label: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--label",
+            metavar="NAME=U,V",
+            help="A marker and where it is in the first picture, px; repeat it for each, 4 or more.",
+            show_default=False,
+        ),
+    ] = None,
     exercise: Annotated[str, typer.Option("--exercise", help="Name of the movement.")] = "",
     seed: Seed = 0,
+    data: Data = None,
     json: Json = False,
 ) -> None:
     """Name the markers of a recording and fit the hand: a take, or plain arrays."""
+    del data  # every command takes it; this one touches no clinic folder
     from rehab_app import __version__
     from rehab_app.cli.progress import frames_bar
+    from rehab_app.recording.labels import labels_of
     from rehab_app.recording.track import track as track_recording
     from rehab_app.recording.track_order import TrackOrder
     from rehab_app.recording.track_subject import subject_of
@@ -59,7 +71,7 @@ def track(
 
     output = Output(json)
     order = TrackOrder(
-        inputs=tuple(inputs),
+        inputs=tuple(_file(one) for one in inputs),
         out=out,
         side=side_named(side),
         protocol=protocol,
@@ -71,10 +83,17 @@ def track(
         subject=None if subject is None else subject_of(subject),
         exercise=exercise,
         seed=seed,
+        labels=labels_of(label or ()),
     )
     with frames_bar("Tracking") as progress:
         result = track_recording(order, progress)
     _tell(output, result)
+
+
+def _file(spec: Path) -> Path:
+    """The file of an input, also where it is spelled as ``camera list`` spells files."""
+    kind, _, rest = str(spec).partition(":")
+    return Path(rest) if kind in ("video", "session") and rest and not spec.exists() else spec
 
 
 def result_json(result: TrackResult) -> dict[str, Any]:

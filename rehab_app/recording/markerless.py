@@ -68,6 +68,8 @@ def track_bare_hand(order: TrackOrder, progress: Progress, folder: Path | None =
     """
     if order.tracker != TRACKERS[0]:
         raise Refused("tracker", repr(order.tracker), f"{TRACKERS[0]} for a bare hand", "leave --tracker out")
+    if order.labels is not None:
+        raise Refused("--label", "given", "left out for a bare hand, which wears no markers", "drop it")
     recordings = open_recordings(order)
     metric = all(camera.has_depth for camera in recordings.cameras)
     protocol = bare_hand_protocol(metric=metric)

@@ -23,7 +23,7 @@ from rehab_app.recording.noted import Noted
 from rehab_app.recording.pipeline import Pipeline, Seen
 from rehab_app.recording.take import SHORTEST_S
 from rehab_app.recording.writing import TakeFacts, TakeWriting, no_hand
-from rehab_app.tracking import Tracker, make_tracker
+from rehab_app.tracking import TrackedHand, Tracker, make_tracker
 from rehab_app.vision import Detector, make_detector
 from sessions.errors import Refused
 from sessions.records import SIDES, Side, Status
@@ -156,6 +156,7 @@ def record_take(
                 recording.take(seen, naming.subject)
                 if on_frame is not None:
                     on_frame(seen.live)
+            recording.rest(naming.finish(), naming.subject)
             return recording.seal(naming.subject)
         finally:
             recording.close()
@@ -221,6 +222,11 @@ class _Recording:
                 self._writing.picture(images)
 
         self._behind.do(write)
+
+    def rest(self, tracked: tuple[TrackedHand, ...], subject: Subject | None) -> None:
+        """Queue what the tracker held back until the end."""
+        if (timebase := self._timebase) is not None:
+            self._behind.do(lambda: self._writing.take(tracked, subject, timebase))
 
     def outage(self, outage: Outage) -> None:
         """Queue the note that there are no captures."""

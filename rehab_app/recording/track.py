@@ -21,6 +21,4 @@ def track(order: TrackOrder, progress: Progress = untold) -> TrackResult:
         return track_points(order, progress)
     if asks_for_bare_hand(order):
         return track_bare_hand(order, progress)
-    if asks_for_bare_hand(order):
-        return track_bare_hand(order, progress)
     return track_frames(order, progress)

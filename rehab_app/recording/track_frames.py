@@ -5,9 +5,11 @@ from __future__ import annotations
 import time
 from contextlib import ExitStack
 
-from rehab_app.cameras import Outage
+from rehab_app.calibration import Rectified
+from rehab_app.cameras import Camera, Outage
 from rehab_app.hand.protocol import MarkerProtocol, load_protocol
 from rehab_app.recording.found_points import FoundPoints
+from rehab_app.recording.labels import check_labels
 from rehab_app.recording.noted import Noted
 from rehab_app.recording.overlay import draw_overlay
 from rehab_app.recording.pipeline import Pipeline
@@ -16,7 +18,7 @@ from rehab_app.recording.track_inputs import Recordings, open_recordings
 from rehab_app.recording.track_order import TrackOrder, TrackResult
 from rehab_app.recording.track_sink import TrackSink
 from rehab_app.recording.writing import no_hand
-from rehab_app.tracking import make_tracker
+from rehab_app.tracking import Labels, make_tracker
 from rehab_app.vision import colour_from_json, make_detector
 from rehab_app.vision.port import Detector
 from sessions.errors import Refused
@@ -32,9 +34,12 @@ def track_frames(order: TrackOrder, progress: Progress) -> TrackResult:
     """
     protocol = load_protocol(order.protocol or DEFAULT_PROTOCOL)
     recordings = open_recordings(order)
-    tracker = make_tracker(order.tracker, protocol, order.side, subject=order.subject, seed=order.seed)
-    pipeline = Pipeline(_detector(order, protocol, recordings), tracker, recordings.views)
     first = recordings.cameras[0]
+    labels = _labels(order, protocol, first)
+    tracker = make_tracker(
+        order.tracker, protocol, order.side, subject=order.subject, labels=labels, seed=order.seed
+    )
+    pipeline = Pipeline(_detector(order, protocol, recordings), tracker, recordings.views)
     digest = recordings.calibration_digest
     with TrackSink(order, protocol, first.intrinsics, first.name, digest) as sink:
         noted, found = Noted(), FoundPoints()
@@ -76,13 +81,25 @@ def _run(
             for event in noted.of(seen):
                 sink.note(event)
             progress(sink.frames, recordings.frames)
+    sink.understood(pipeline.tracker.finish(), pipeline.tracker.subject)
     return dropped, 1e3 * (time.perf_counter() - start_s) / max(sink.frames, 1)
+
+
+def _labels(order: TrackOrder, protocol: MarkerProtocol, camera: Camera) -> Labels | None:
+    """The markers that were named, where the rectified picture shows them."""
+    if order.labels is None:
+        return None
+    check_labels(order.labels, protocol, camera.intrinsics)
+    if not isinstance(camera, Rectified):
+        return order.labels
+    lens = camera.calibration.lens
+    return Labels(order.labels.names, lens.undistorted(order.labels.pixel_px, camera.intrinsics))
 
 
 def _detector(order: TrackOrder, protocol: MarkerProtocol, recordings: Recordings) -> Detector:
     """The detector for the markers' colour: as learnt with the calibration, else as the protocol says."""
-    if recordings.colour:
-        return make_detector(order.detector, colour_from_json(recordings.colour))
+    if learnt := order.colour or recordings.colour:
+        return make_detector(order.detector, colour_from_json(learnt))
     colours = sorted({marker.colour for marker in protocol.markers} - {""})
     if not colours:
         raise Refused(

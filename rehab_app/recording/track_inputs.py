@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rehab_app.calibration import CalibratedCamera, load_camera, rectified
+from rehab_app.calibration import CalibratedCamera, load_camera, rectified, views_of
 from rehab_app.cameras import Camera
 from rehab_app.cameras.recorded import RecordedCamera
 from rehab_app.cameras.video import VideoCamera
-from rehab_app.geometry.view import PRIMARY, View
+from rehab_app.geometry.view import View
 from rehab_app.recording.detections_file import NO_DEPTH
 from rehab_app.recording.track_order import TrackOrder
 from sessions.errors import Refused
@@ -55,7 +55,7 @@ def open_recordings(order: TrackOrder) -> Recordings:
             f"one for each of {len(order.inputs)} inputs",
             "repeat the option in the order of the inputs",
         )
-    if len(order.inputs) > 1 and (not known or any(one.placement is None for one in known[1:])):
+    if len(order.inputs) > 1 and not known:
         raise Refused(
             "cameras",
             f"{len(order.inputs)} without known places",
@@ -72,7 +72,7 @@ def open_recordings(order: TrackOrder) -> Recordings:
     )
     return Recordings(
         cameras,
-        tuple(one.view(index) for index, one in enumerate(known)) or (PRIMARY,),
+        views_of(known),
         known[0].digest if known else "",
         frames,
         _colour(known),

@@ -8,6 +8,7 @@ from pathlib import Path
 from rehab_app.hand.subject import Subject
 from rehab_app.recording.tracks import SUFFIX as TRACKS_SUFFIX
 from rehab_app.recording.tracks import check_tracks_target
+from rehab_app.tracking import Labels
 from sessions.errors import Refused
 from sessions.records import SIDES, Side
 from sessions.store.diskfile import SUFFIX as TAKE_SUFFIX
@@ -34,6 +35,9 @@ class TrackOrder:
         exercise: Name of the movement; empty for the input's name.
         overlay: Video to draw, None for none.
         seed: Of whatever the tracker draws.
+        labels: Markers that a person named in the first frame; None to take those of the input, if any.
+        colour: JSON of the colour model of the markers; empty for the calibration's or the protocol's.
+        parents: Digests of the files that a take is made from.
 
     Raises:
         Refused: The side is none, or a file cannot be made where it should.
@@ -52,6 +56,9 @@ class TrackOrder:
     exercise: str = ""
     overlay: Path | None = None
     seed: int = 0
+    labels: Labels | None = None
+    colour: str = ""
+    parents: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.side not in SIDES:

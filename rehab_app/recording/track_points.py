@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 
 from rehab_app.geometry.detections import Detections
 from rehab_app.hand.protocol import PROTOCOLS, MarkerProtocol, load_protocol
 from rehab_app.recording.detections_file import DetectionsFile, read_detections
+from rehab_app.recording.labels import check_labels
 from rehab_app.recording.progress import Progress
 from rehab_app.recording.track_order import TrackOrder, TrackResult
 from rehab_app.recording.track_sink import TrackSink
@@ -65,8 +67,12 @@ def track_points(order: TrackOrder, progress: Progress) -> TrackResult:
     if order.cameras:
         raise Refused("--camera-intrinsics", "given", "left out: the detections state theirs", "drop it")
     file = read_detections(source)
+    if order.labels is not None:
+        file = replace(file, labels=order.labels)
     protocol = protocol_for(file, order.protocol)
     first = file.cameras[0].intrinsics
+    if order.labels is not None:
+        check_labels(order.labels, protocol, first)
     tracker = make_tracker(
         order.tracker, protocol, order.side, subject=order.subject, labels=file.labels, seed=order.seed
     )
@@ -97,6 +103,7 @@ def _run(
         sink.understood(understood, tracker.subject)
         said[tracker.complaint or ""] += 1
         progress(index + 1, len(file.t_s))
+    sink.understood(tracker.finish(), tracker.subject)
     often = max(_FEWEST_COMPLAINTS, _OFTEN * len(file.t_s))
     return spent_s, tuple(text for text, count in said.items() if text and count >= often)
 

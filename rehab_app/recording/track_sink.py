@@ -58,6 +58,7 @@ class TrackSink:
                 source=source,
                 calibration_digest=calibration_digest or camera.digest,
                 subject_id=order.subject_id,
+                parents=order.parents,
             )
             self._writing = TakeWriting(facts, protocol)
 

@@ -11,6 +11,7 @@ from rehab_app.services.audit import Audit
 from rehab_app.services.calibrations import Calibrations, Hands
 from rehab_app.services.lease import ServerLease
 from rehab_app.services.live import LiveDesk
+from rehab_app.services.marker_names import MarkerNames
 from rehab_app.services.patients import Patients
 from rehab_app.services.reports import Reports
 from rehab_app.services.sessions import Sessions
@@ -33,6 +34,7 @@ class Clinic:
         calibrations: Calibrated cameras.
         hands: Calibrated hands of persons.
         takes: Recorded demonstrations.
+        marker_names: Their markers, named by hand.
         therapy: Plan, rehearse, play.
         sessions: Recorded therapy sessions.
         reports: Reports of both.
@@ -49,6 +51,7 @@ class Clinic:
     calibrations: Calibrations
     hands: Hands
     takes: Takes
+    marker_names: MarkerNames
     therapy: Therapy
     sessions: Sessions
     reports: Reports

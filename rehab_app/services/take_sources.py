@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rehab_app import __version__
-from rehab_app.calibration import CalibratedCamera, rectified
+from rehab_app.calibration import CalibratedCamera, rectified, views_of
 from rehab_app.cameras import Camera, Outage, virtual_camera
 from rehab_app.errors import Refused
-from rehab_app.geometry.view import PRIMARY, View
+from rehab_app.geometry.view import View
 from rehab_app.hand.protocol import MarkerProtocol, load_protocol
 from rehab_app.hand.subject import Subject
 from rehab_app.recording.buffered import Buffered
@@ -150,24 +150,23 @@ def _camera(
 def _real(spec: str, calibration: CalibratedCamera | None) -> Camera:
     from rehab_app.cameras import open_camera
 
-    opened = open_camera(spec)
+    opened = open_camera(spec, intrinsics=None if calibration is None else calibration.intrinsics)
     live = spec.partition(":")[0] in LIVE_KINDS
     return rectified(Buffered(opened) if live else opened, calibration)
 
 
 def _views(request: RecordingRequest, calibrations: tuple[CalibratedCamera | None, ...]) -> tuple[View, ...]:
     """Where the cameras stand."""
-    views = [PRIMARY]
-    for index, (spec, known) in enumerate(zip(request.beside, calibrations[1:], strict=True), start=1):
-        if known is None or known.placement is None or known.placement.reference == "world":
-            raise Refused(
-                f"camera {spec}",
-                "of unknown place",
-                f"calibrated to {request.camera}",
-                "run rehab-app calibrate stereo with both, or record from one camera",
-            )
-        views.append(known.view(index))
-    return tuple(views)
+    known = tuple(one for one in calibrations if one is not None)
+    if len(calibrations) > 1 and len(known) < len(calibrations):
+        missing = (request.camera, *request.beside)[[one is None for one in calibrations].index(True)]
+        raise Refused(
+            f"camera {missing}",
+            "of unknown place",
+            "calibrated together with the others",
+            "run rehab-app calibrate stereo with all of them, or record from one camera",
+        )
+    return views_of(known)
 
 
 def _eyes(

@@ -149,6 +149,22 @@ class Takes:
         request = RecordingRequest(exercise=exercise, side=side_named(side), seconds=seconds, seed=seed)
         return self.record(request, actor, out)
 
+    def enter(self, path: Path, verb: str, actor: Account) -> TakeRow:
+        """Enter a new take file of the clinic folder into the catalogue.
+
+        Args:
+            path: The sealed file.
+            verb: What made it, for the audit.
+            actor: Who made it.
+
+        Raises:
+            Refused: The actor may not record.
+        """
+        require(actor, "record")
+        row = self._row(self._enter(path))
+        self._audit.note(actor, verb, row.id, row.sha256)
+        return row
+
     def approve(self, take: str | Path, by: Account) -> Approval:
         """Approve exactly this file for play.
 
@@ -199,8 +215,7 @@ class Takes:
 
     def _keep(self, recorded: Recorded, verb: str, actor: Account, out: Path | None) -> ImportedSummary:
         """Enter a new take file into the catalogue and copy it where the user wants one."""
-        row = self._row(self._enter(recorded.path))
-        self._audit.note(actor, verb, row.id, row.sha256)
+        row = self.enter(recorded.path, verb, actor)
         if row.path != recorded.path:  # the very same file was here already
             recorded.path.unlink()
             storage.digest_beside(recorded.path).unlink(missing_ok=True)

@@ -136,6 +136,12 @@ class BareHandTracker:
         self._held.clear()
         return tuple(self._track(fitter, one) for one in held)
 
+    def finish(self) -> tuple[TrackedHand, ...]:
+        """What is still held back when no more captures come: nothing of it was understood."""
+        rest = tuple(unknown(one.t_capture_ns, len(self.marker_names), self.state) for one in self._held)
+        self._held.clear()
+        return rest
+
     def _track(self, fitter: PoseFitter, detections: Detections) -> TrackedHand:
         if not len(detections):
             self._misses += 1

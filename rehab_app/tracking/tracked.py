@@ -79,3 +79,11 @@ class Tracker(Protocol):
             then all that it held back (of a long wait the last seconds), then one each time.
         """
         ...
+
+    def finish(self) -> tuple[TrackedHand, ...]:
+        """Give up what is still held back, as no more captures come.
+
+        Returns:
+            Those captures, oldest first, as far as they are understood: as gaps where not at all.
+        """
+        ...

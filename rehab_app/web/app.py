@@ -26,7 +26,7 @@ from rehab_app.web import stop
 from rehab_app.web.gateway import picture, wire
 from rehab_app.web.gateway.client_page import ClientPages
 from rehab_app.web.guard import Guard, own_names
-from rehab_app.web.pages import entry, live, patients, recordings
+from rehab_app.web.pages import entry, live, marker_names, patients, recordings
 from rehab_app.web.remember import Remembered
 from rehab_app.web.render import page_templates, render
 from rehab_app.web.signing import Seal, clinic_key
@@ -129,6 +129,11 @@ def _record_routes() -> list[BaseRoute]:
         Route(
             "/takes/{recording}/approve", action(recordings.approve, "approve", "/takes"), methods=["POST"]
         ),
+        Route("/takes/{recording}/names", page(marker_names.names, "record"), methods=["GET"]),
+        Route(
+            "/takes/{recording}/names", action(marker_names.track_again, "record", "/takes"), methods=["POST"]
+        ),
+        Route("/takes/{recording}/first.jpg", page(marker_names.picture, "record"), methods=["GET"]),
         Route("/sessions", page(recordings.sessions), methods=["GET"]),
         Route("/sessions/{recording}", page(recordings.session), methods=["GET"]),
     ]

@@ -65,10 +65,19 @@ class Visit:
             return JSONResponse({"message": notice, "path": path})
         answer = RedirectResponse(path, 303)
         if notice:
-            answer.set_cookie(
-                NOTICE, self.site.seal.notice(notice, good), max_age=60, httponly=True, samesite="strict"
-            )
+            self._keep_notice(answer, notice, good)
         return answer
+
+    def go_and_say(self, path: str, notice: str) -> Response:
+        """As ``go``, for a script that opens ``path``: the sentence is kept for that page too."""
+        answer = self.go(path, notice)
+        if wants_json(self.request):
+            self._keep_notice(answer, notice, good=True)
+        return answer
+
+    def _keep_notice(self, answer: Response, notice: str, good: bool) -> None:
+        kept = self.site.seal.notice(notice, good)
+        answer.set_cookie(NOTICE, kept, max_age=60, httponly=True, samesite="strict")
 
 
 Endpoint: TypeAlias = Callable[[Request], Awaitable[Response]]

@@ -15,6 +15,8 @@ from rehab_app.hand.protocol import PROTOCOLS, MarkerProtocol, load_protocol
 from rehab_app.hand.records import take_records
 from rehab_app.hand.series import LandmarkSeries
 from rehab_app.hand.subject import Subject, subject_to_json
+from rehab_app.recording.importers.c3d import read_c3d
+from rehab_app.recording.importers.glove import glove_hand, read_glove
 from rehab_app.recording.importers.mediapipe import read_mediapipe
 from rehab_app.recording.importers.qualisys import read_qualisys
 from rehab_app.recording.importers.recorded_file import RecordedFile, check_readable
@@ -25,8 +27,14 @@ from sessions.records.header import SessionHeader
 from sessions.store import SealedSession
 from sessions.timebase import Timebase
 
-READERS: dict[str, Callable[[Path], RecordedFile]] = {".tsv": read_qualisys, ".npz": read_mediapipe}
-"""Reader of each kind of file, by its suffix."""
+READERS: dict[str, Callable[[Path], RecordedFile]] = {
+    ".tsv": read_qualisys,
+    ".npz": read_mediapipe,
+    ".c3d": read_c3d,
+}
+"""Reader of each kind of file with markers, by its suffix."""
+GLOVE = ".csv"
+"""Suffix of a glove's recording, which has joint angles and no markers."""
 
 _SHARE_NAMED = 0.5  # share of a protocol's markers that a recording must name to be recognised
 
@@ -37,7 +45,7 @@ class ImportedTake:
 
     Attributes:
         source: Kind of file, such as "qualisys-tsv".
-        protocol: The markers.
+        protocol: The markers, None of a glove.
         side: Side of the hand, as stated.
         series: The markers over time, gaps as NaN.
         subject: The hand scaled to the person.
@@ -46,7 +54,7 @@ class ImportedTake:
     """
 
     source: str
-    protocol: MarkerProtocol
+    protocol: MarkerProtocol | None
     side: Side
     series: LandmarkSeries
     subject: Subject
@@ -75,7 +83,9 @@ class ImportedTake:
 
     @property
     def residual_m(self) -> float:
-        """Distance of fitted from seen markers, rms over all frames, m."""
+        """Distance of fitted from seen markers, rms over all frames, m; NaN without markers."""
+        if self.protocol is None:
+            return float("nan")
         return float(np.sqrt(np.nanmean(self.fit.residual_m**2)))
 
     def write(
@@ -102,8 +112,8 @@ class ImportedTake:
             software_version=software_version,
             utc_start_ns=self.utc_start_ns,
             monotonic_start_ns=0,
-            marker_protocol=self.protocol.name,
-            marker_names=self.protocol.names,
+            marker_protocol="" if self.protocol is None else self.protocol.name,
+            marker_names=self.series.names,
             subject_hand=subject_to_json(self.subject),
         )
         t_ns = np.round(1e9 * (self.series.t_s - self.series.t_s[0])).astype(np.int64)
@@ -114,7 +124,7 @@ def import_recording(path: Path, side: str, protocol: str | Path | None = None) 
     """Read a recording of another program and fit the person's hand to it.
 
     Args:
-        path: A ``.tsv`` of Qualisys or an ``.npz`` of MediaPipe landmarks.
+        path: A ``.tsv`` of Qualisys, an ``.npz`` of MediaPipe landmarks, a ``.c3d``, or a glove's ``.csv``.
         side: "left" or "right"; stated, never inferred.
         protocol: Name or file of the marker protocol; left out, the built-in one whose markers are named.
 
@@ -123,10 +133,11 @@ def import_recording(path: Path, side: str, protocol: str | Path | None = None) 
     """
     sided = _side(side)
     reader = READERS.get(path.suffix.lower())
+    if path.suffix.lower() == GLOVE:
+        return _worn(path, sided, protocol)
     if reader is None:
-        raise Refused(
-            "recording", repr(path.name), "one of " + ", ".join(READERS), "convert it to one of these"
-        )
+        known = ", ".join((*READERS, GLOVE))
+        raise Refused("recording", repr(path.name), f"one of {known}", "convert it to one of these")
     check_readable(path)
     recorded = reader(path)
     if recorded.series.duration_s < SHORTEST_S:
@@ -137,6 +148,17 @@ def import_recording(path: Path, side: str, protocol: str | Path | None = None) 
     fit = PoseFitter(subject, markers).fit(series.p_camera_m)
     utc_ns = Timebase.now().utc_start_ns if recorded.utc_start_ns is None else recorded.utc_start_ns
     return ImportedTake(recorded.source, markers, sided, series, subject, fit, utc_ns)
+
+
+def _worn(path: Path, side: Side, protocol: str | Path | None) -> ImportedTake:
+    """A glove's recording: no markers to choose or to fit."""
+    if protocol is not None:
+        raise Refused("--protocol", f"given for {path.name}", "left out", "a glove has no markers")
+    check_readable(path)
+    series, subject, fit = glove_hand(read_glove(path), side)
+    if series.duration_s < SHORTEST_S:
+        raise too_short(series.duration_s)
+    return ImportedTake("glove-csv", None, side, series, subject, fit, Timebase.now().utc_start_ns)
 
 
 def _side(side: str) -> Side:

@@ -19,7 +19,7 @@ def takes(visit: Visit) -> Response:
 def take(visit: Visit) -> Response:
     """One take: look at it, then approve it."""
     row = visit.site.clinic.takes.get(catalogue_id(visit.part("recording")))
-    return visit.page("take.html.j2", take=row)
+    return visit.page("take.html.j2", take=row, why_no_names=visit.site.clinic.marker_names.why_not(row.id))
 
 
 def approve(visit: Visit) -> Response:

@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from rehab_app.cli.app import app
+from rehab_app.recording.importers import import_recording
 
 
 def run(*arguments: object, code: int = 0) -> tuple[dict[str, Any], str]:
@@ -83,3 +84,21 @@ def test_bad_input_is_a_sentence(arguments: tuple[str, ...], words: str) -> None
     content, said = run("--object", thing, "--hand", hand, *rest, code=1)
     assert words in content["error"]["message"]
     assert "Traceback" not in said
+
+
+def test_the_shape_of_the_hand_in_a_take(tmp_path: Path) -> None:
+    rows = ["0," * 21 + "0"] * 30 + [",".join(["40"] * 22)] * 30
+    recording = tmp_path / "glove.csv"
+    recording.write_text("\n".join(rows) + "\n")
+    take = import_recording(recording, "right").write(
+        tmp_path / "take.mcap", exercise="grasp", software_version="0"
+    )
+    content, said = run("--shape", take.path)
+    assert content["repetitions"] == 1
+    assert content["aperture_rad"]["sd"] is None
+    assert "aperture" in said
+    assert run("--shape", take.path, "--shape", take.path)[0]["aperture_rad"]["sd"] == pytest.approx(
+        0, abs=1e-9
+    )
+    assert "given alone" in run("--shape", take.path, "--hand", "human", code=1)[1]
+    assert "--object is missing" in run("--hand", "human", code=1)[1]

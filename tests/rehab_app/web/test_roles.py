@@ -15,6 +15,7 @@ VERBS = {
     "/live/resume": "play",
     "/live/speed": "play",
     "/takes/none/approve": "approve",
+    "/takes/none/names": "record",
     "/patients": "prescribe",
     "/stop/clear": "clear_stop",
 }

@@ -177,7 +177,7 @@ def test_bad_landmarks_are_refused_in_one_sentence(
 def test_side_suffix_and_path_are_checked_first(tsv: Path, tmp_path: Path) -> None:
     with pytest.raises(Refused, match="left or right"):
         import_recording(tsv, "both")
-    other = tmp_path / "take.c3d"
+    other = tmp_path / "take.bvh"
     other.write_bytes(b"x")
     with pytest.raises(Refused, match=r"\.tsv, \.npz"):
         import_recording(other, "right")
