@@ -27,6 +27,21 @@ def pose_record(t_ns: int, fit: HandFit, row: int) -> HandPose:
     )
 
 
+def unknown_pose(t_ns: int) -> HandPose:
+    """A hand of which nothing is known: every value a gap."""
+    return HandPose(
+        t_ns=t_ns,
+        p_camera_palm_m=np.full(3, np.nan),
+        q_camera_palm_wxyz=np.full(4, np.nan),
+        joints_rad=np.full(21, np.nan),
+        joint_covariance_rad2=np.full((21, 21), np.nan),
+        joint_status=np.full(21, Status.LOST, dtype=np.uint8),
+        fingertips_palm_m=np.full((5, 3), np.nan),
+        fingertip_covariance_m2=np.full((5, 3, 3), np.nan),
+        residual_m=float("nan"),
+    )
+
+
 def take_records(t_ns: Int64, series: LandmarkSeries, fit: HandFit) -> Iterator[tuple[MarkerFrame, HandPose]]:
     """Markers and poses of a whole recording, frame by frame; unseen markers are NaN and LOST.
 

@@ -24,12 +24,16 @@ def column(held: Archive, name: str, count: int) -> Float64:
     Raises:
         Refused: The array is missing, or its length is not that of ``frame``.
     """
-    values = held.numbers(name)
+    return _counted(held, name, held.numbers(name), count, "frame")
+
+
+def _counted(held: Archive, name: str, values: Float64, count: int, like: str) -> Float64:
+    """An array, refused if it has not as many numbers as ``like``."""
     if values.shape != (count,):
         raise Refused(
             f"{held.thing}, {name}",
             f"of shape {values.shape}",
-            f"({count},), as frame",
+            f"({count},), as {like}",
             "give one each",
         )
     return values
@@ -144,7 +148,14 @@ def checked_labels(held: Archive) -> Labels | None:
     if not any(part in held for part in parts):
         return None
     names = held.texts("init_name")
-    pixel = np.stack([_column_of_labels(held, part, len(names)) for part in parts[1:]], axis=1)
+    values = [np.atleast_1d(held.numbers(part)) for part in parts[1:]]
+    pixel = np.stack(
+        [
+            _counted(held, part, one, len(names), "init_name")
+            for part, one in zip(parts[1:], values, strict=True)
+        ],
+        axis=1,
+    )
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise Refused(f"{held.thing}, init_name", f"naming {twice[0]} twice", "each marker once", "mend it")
@@ -152,20 +163,3 @@ def checked_labels(held: Archive) -> Labels | None:
     if not known.size:
         return None
     return Labels(tuple(names[index] for index in known), pixel[known])
-
-
-def _column_of_labels(held: Archive, name: str, count: int) -> Float64:
-    """One number per label.
-
-    Raises:
-        Refused: The array is missing or of another length than ``init_name``.
-    """
-    values = np.atleast_1d(held.numbers(name))
-    if values.shape != (count,):
-        raise Refused(
-            f"{held.thing}, {name}",
-            f"of shape {values.shape}",
-            f"({count},), as init_name",
-            "give one each",
-        )
-    return values

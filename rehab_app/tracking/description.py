@@ -10,6 +10,7 @@ from rehab_app.geometry.rotation import wxyz_from_matrix
 from rehab_app.hand.marker_model import MarkerModel
 from rehab_app.hand.pose_prior import rest_prior
 from rehab_app.hand.pose_uncertainty import JOINT_DIGIT, MEASURED_SHARE, MEASURED_STD_RAD
+from rehab_app.hand.records import unknown_pose
 from rehab_app.tracking.following import Followed
 from rehab_app.tracking.hand_filter import Pairs, Placed, Rows, rows_of, trusted
 from rehab_app.tracking.hand_state import POSITIONS, HandState
@@ -63,18 +64,7 @@ def unknown(t_ns: int, markers: int, state: TrackingState) -> TrackedHand:
         pixel_px=np.full((markers, 2), np.nan),
         similarity=np.zeros(markers),
     )
-    pose = HandPose(
-        t_ns=t_ns,
-        p_camera_palm_m=np.full(3, np.nan),
-        q_camera_palm_wxyz=np.full(4, np.nan),
-        joints_rad=np.full(21, np.nan),
-        joint_covariance_rad2=np.full((21, 21), np.nan),
-        joint_status=np.full(21, Status.LOST, dtype=np.uint8),
-        fingertips_palm_m=np.full((5, 3), np.nan),
-        fingertip_covariance_m2=np.full((5, 3, 3), np.nan),
-        residual_m=float("nan"),
-    )
-    return TrackedHand(frame, pose, np.full(markers, NONE, dtype=np.int64), state)
+    return TrackedHand(frame, unknown_pose(t_ns), np.full(markers, NONE, dtype=np.int64), state)
 
 
 def _markers(

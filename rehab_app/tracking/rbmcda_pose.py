@@ -12,7 +12,7 @@ from rehab_app.hand.calibration import calibrate_subject
 from rehab_app.hand.pose_fit import HandFit, PoseFitter
 from rehab_app.hand.pose_prior import JointPrior
 from rehab_app.hand.protocol import MarkerProtocol
-from rehab_app.hand.records import pose_record
+from rehab_app.hand.records import pose_record, unknown_pose
 from rehab_app.hand.series import LandmarkSeries
 from rehab_app.hand.subject import Subject
 from rehab_app.tracking.tracked import TrackedHand
@@ -98,7 +98,7 @@ class HandBehind:
         """The hand fitted to the measured markers of a capture; gaps if they are too few or no hand's."""
         fit = self._fitted(measured(markers), markers.covariance_m2)
         if fit is None or not fit.residual_m[0] < _UNFIT_M:
-            return no_pose(markers.t_ns)
+            return unknown_pose(markers.t_ns)
         self._last = fit
         return pose_record(markers.t_ns, fit, 0)
 
@@ -122,18 +122,3 @@ def measured(markers: MarkerFrame) -> Float64:
 def posed(hand: HandBehind, tracked: TrackedHand) -> TrackedHand:
     """A capture that was tracked before the person was known, now with its pose."""
     return replace(tracked, pose=hand.pose(tracked.markers))
-
-
-def no_pose(t_ns: int) -> HandPose:
-    """A hand of which nothing is known: every value a gap."""
-    return HandPose(
-        t_ns=t_ns,
-        p_camera_palm_m=np.full(3, np.nan),
-        q_camera_palm_wxyz=np.full(4, np.nan),
-        joints_rad=np.full(21, np.nan),
-        joint_covariance_rad2=np.full((21, 21), np.nan),
-        joint_status=np.full(21, Status.LOST, dtype=np.uint8),
-        fingertips_palm_m=np.full((5, 3), np.nan),
-        fingertip_covariance_m2=np.full((5, 3, 3), np.nan),
-        residual_m=float("nan"),
-    )

@@ -16,7 +16,7 @@ import numpy as np
 from rehab_app.hand.pose_fit import HandFit
 from rehab_app.hand.series import LandmarkSeries
 from rehab_app.hand.subject import Subject
-from rehab_app.recording.importers.recorded_file import check_frames
+from rehab_app.recording.importers.recorded_file import check_frames, table_of
 from robot_iface.kinematics import average_hand, forward, jacobian
 from sessions.errors import Refused
 from sessions.records import JOINTS, LANDMARKS, Side, Status
@@ -179,15 +179,7 @@ def _table(path: Path) -> tuple[dict[str, float], list[str], Float64]:
                 f"{SENSORS} sensors, with t_s before them if times are stated",
                 "export all sensors of Table 3.1",
             )
-    try:
-        table = np.array([[field.strip() or "nan" for field in row] for row in rows], dtype=np.float64)
-    except ValueError as error:
-        raise Refused(
-            f"recording {path.name}", f"not all numbers ({error})", "numbers or empty", "export it again"
-        ) from error
-    if bool(np.isinf(table).any()):
-        raise Refused(f"recording {path.name}", "infinite in places", "numbers or empty", "export it again")
-    return settings, names, table
+    return settings, names, table_of(path, rows)
 
 
 def _is_name(field: str) -> bool:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from rehab_app.hand.series import LandmarkSeries
-from rehab_app.recording.importers.recorded_file import LARGEST_M, RecordedFile, check_frames
+from rehab_app.recording.importers.recorded_file import LARGEST_M, RecordedFile, check_frames, table_of
 from sessions.errors import Refused
 from sessions.records.fields import Float64
 
@@ -131,14 +131,4 @@ def _table(path: Path, lines: list[str], header: _Header) -> Float64:
                 f"{width} fields",
                 "export it again",
             )
-    try:
-        table: Float64 = np.array(
-            [[field.strip() or "nan" for field in row] for row in rows], dtype=np.float64
-        )
-    except ValueError as error:
-        raise Refused(
-            f"recording {path.name}", f"not all numbers ({error})", "numbers or empty", "export it again"
-        ) from error
-    if bool(np.isinf(table).any()):
-        raise Refused(f"recording {path.name}", "infinite in places", "numbers or empty", "export it again")
-    return table
+    return table_of(path, rows)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from rehab_app.hand.series import LandmarkSeries
 from sessions.errors import Refused
+from sessions.records.fields import Float64
 
 MOST_BYTES = 256 << 20
 MOST_FRAMES = 60_000
@@ -67,3 +71,20 @@ def check_frames(path: Path, frames: int) -> None:
             f"1 to {MOST_FRAMES} frames",
             "export a part of it",
         )
+
+
+def table_of(path: Path, rows: Sequence[Sequence[str]]) -> Float64:
+    """Rows of text fields as numbers, NaN where a field is empty, shape (N, K).
+
+    Raises:
+        Refused: A field is no number, or infinite.
+    """
+    try:
+        table = np.array([[field.strip() or "nan" for field in row] for row in rows], dtype=np.float64)
+    except ValueError as error:
+        raise Refused(
+            f"recording {path.name}", f"not all numbers ({error})", "numbers or empty", "export it again"
+        ) from error
+    if bool(np.isinf(table).any()):
+        raise Refused(f"recording {path.name}", "infinite in places", "numbers or empty", "export it again")
+    return table
