@@ -117,7 +117,7 @@ def result_json(result: PlayResult) -> dict[str, Any]:
 
 
 def _certificate_json(prepared: PreparedPlan, certificate: Certificate) -> dict[str, Any]:
-    joints = prepared.plan.path.joint_names
+    joints = prepared.plan.joint_names
     return {
         "accepted": certificate.accepted,
         "digest": certificate.digest,

@@ -57,7 +57,7 @@ class TherapyJob:
         self._heard_s = time.monotonic()
         self._last_ns = -1
         self._resume_until_s = 0.0
-        self._hand = WornHand(prepared.geometry, prepared.plan.path.joint_names, 0.0)
+        self._hand = WornHand(prepared.geometry, prepared.plan.joint_names, 0.0)
 
     def stop(self) -> None:
         """Write the stop word. The flag covers a press before the motion process exists."""

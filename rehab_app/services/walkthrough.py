@@ -133,5 +133,5 @@ def _plan(
         )
 
     once = planned(1)
-    repetition_s = float(once.plan.path.t_s[-1]) / once.plan.prescription.speed + _OVERHEAD_S
+    repetition_s = once.plan.path_s / once.plan.prescription.speed + _OVERHEAD_S
     return planned(min(500, max(1, math.floor(0.5 * seconds / repetition_s))))

@@ -54,18 +54,18 @@ def session_header(
         session_id=uuid.uuid4().hex,
         kind="therapy",
         subject_id=subject_id,
-        side=plan.path.side,
+        side=plan.side,
         exercise=exercise,
         source=f"{device.name} (simulated, {plan.twin.kind})" if device.simulated else device.name,
         software_version=plan.software_version,
         utc_start_ns=now.utc_start_ns,
         monotonic_start_ns=0 if device.simulated else now.monotonic_start_ns,
-        robot_joints=plan.path.joint_names,
+        robot_joints=plan.joint_names,
         subject_hand=geometry_to_json(geometry),
         limits=_json(plan.limits),
         prescription=_json(plan.prescription),
         certificate=_json(certificate),
-        parents=(plan.path.take_digest,),
+        parents=() if plan.path is None else (plan.path.take_digest,),
     )
 
 
@@ -93,10 +93,10 @@ def record_run(
     Raises:
         Refused: The motion process ended without saying how, or the file cannot be written.
     """
-    hand = WornHand(geometry, plan.path.joint_names, device.encoder_std_rad)
+    hand = WornHand(geometry, plan.joint_names, device.encoder_std_rad)
     end: RunEnd | None = None
     with SessionWriter(path, header) as writer:
-        recorder = RunRecorder(writer.write, hand, plan.path.joint_names, plan.prescription.mode)
+        recorder = RunRecorder(writer.write, hand, plan.joint_names, plan.prescription.mode)
         for message in messages:
             if isinstance(message, RunEnd):
                 end = message

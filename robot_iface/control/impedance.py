@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robot_iface.control.gains import Gains
-from robot_iface.motion import Setpoint
+from robot_iface.control.goal import Goal
 from robot_iface.types import CommandMode, DeviceCommand, DeviceState, Float64, Limits
 
 SPRING_SHARE = 0.9
@@ -29,29 +29,20 @@ class ImpedanceLaw:
         self._damping = gains.damping_nms_rad
         self._spring_nm: Float64 = SPRING_SHARE * limits.tau_interaction_nm
 
-    def command(
-        self,
-        state: DeviceState,
-        setpoint: Setpoint,
-        multiple: Float64 | float,
-        tau_ff_nm: Float64,
-        ramp: float,
-        seq: int,
-    ) -> DeviceCommand:
+    def command(self, state: DeviceState, goal: Goal, ramp: float, seq: int) -> DeviceCommand:
         """The request of one tick.
 
         Args:
             state: Newest reading.
-            setpoint: Where the joints should be.
-            multiple: n of the thesis gains, a number or (J,).
-            tau_ff_nm: Feed-forward torque, (J,).
+            goal: What is asked for.
             ramp: 0 to 1, from ``Supervisor.ramp``: gains and feed-forward rise with it.
             seq: Number of the command.
 
         Returns:
             An impedance command.
         """
-        share = multiple * ramp
+        setpoint, tau_ff_nm = goal.setpoint, goal.tau_ff_nm
+        share = goal.multiple * ramp
         stiffness: Float64 = self._stiffness * share
         error = setpoint.q_rad - state.q_rad
         reach = self._spring_nm / (stiffness + _SMALL_NM_RAD)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robot_iface.errors import Refused
-from robot_iface.types import Float64, Side
+from robot_iface.types import Float64, PatientTwin, Side
 
 # Bone lengths as parts of hand length, after Buchholz, Armstrong & Goldstein (1992),
 # doi 10.1080/00140139208967812.
@@ -117,6 +117,22 @@ def average_hand(length_m: float = 0.189, side: Side = "right") -> HandGeometry:
     rotation = np.broadcast_to(np.eye(3), (5, 3, 3)).copy()
     rotation[0] = _axes(_THUMB_DISTAL, _THUMB_PALMAR)
     return HandGeometry(side, bases * scale, rotation, _PHALANX_PARTS * scale, _PALM_PARTS * length_m)
+
+
+def patient_hand(twin: PatientTwin) -> HandGeometry:
+    """The hand that the patient's record states: its measured bones, else average ones for its length.
+
+    Args:
+        twin: The patient.
+
+    Raises:
+        Refused: The length or a bone is not that of a human hand.
+    """
+    hand = average_hand(twin.hand_length_m, twin.side)
+    if not twin.bones_m:
+        return hand
+    bones = np.array(twin.bones_m, dtype=np.float64)
+    return HandGeometry(hand.side, hand.bases_m, hand.base_rotation, bones, hand.palm_m)
 
 
 def _axes(distal: Float64, palmar: Float64) -> Float64:

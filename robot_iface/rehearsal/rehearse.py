@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from robot_iface.errors import Refused
 from robot_iface.loop import SimulatedClock
 from robot_iface.motion import QuinticPath, check_path
 from robot_iface.rehearsal.observe import Observer
@@ -45,13 +46,15 @@ def rehearse(plan: Plan) -> Certificate:
         Refused: The plan cannot be run at all: unknown mode or patient, a path for other joints, bad limits.
     """
     rig = simulated_rig(plan)
-    joints = len(plan.path.joint_names)
+    joints = len(plan.joint_names)
+    if plan.path is None:
+        raise Refused("rehearsal", "of a plan without a path", "of a path", "plan a take")
     violation = check_path(
         QuinticPath(plan.path), plan.limits, plan.prescription.speed, rig.robot.capabilities.period_ns * 1e-9
     )
     if violation is not None:
         return _certify(plan, False, violation.sentence(), (0.0,) * joints, 0.0)
-    observer = Observer(plan.path.joint_names)
+    observer = Observer(plan.joint_names)
     end = perform(_dry(plan), rig, Surroundings(observer, observer.sink, ScriptedInbox()))
     peaks = tuple(observer.peak_interaction_nm.tolist())
     if observer.first is not None:
@@ -78,7 +81,7 @@ def _found(plan: Plan, observer: Observer) -> str:
     share = observer.peak_interaction_nm / plan.limits.tau_interaction_nm
     joint = int(np.argmax(share))
     load = (
-        f"highest load {observer.peak_interaction_nm[joint]:.2f} Nm at {plan.path.joint_names[joint]}, "
+        f"highest load {observer.peak_interaction_nm[joint]:.2f} Nm at {plan.joint_names[joint]}, "
         f"limit {plan.limits.tau_interaction_nm[joint]:.2f} Nm"
     )
     error = math.degrees(observer.rms_error_rad)

@@ -1,7 +1,7 @@
 """One control cycle, the exercise that it plays, and the record of both."""
 
 from robot_iface.runtime.cycle import Cycle, perform, run
-from robot_iface.runtime.exercise import Exercise, Goal
+from robot_iface.runtime.exercise import Exercise
 from robot_iface.runtime.live import PHASES, STARTERS, LiveSample, Monitor, Unwatched
 from robot_iface.runtime.orders import (
     Inbox,
@@ -25,7 +25,6 @@ __all__ = [
     "STARTERS",
     "Cycle",
     "Exercise",
-    "Goal",
     "Inbox",
     "LiveSample",
     "LoopClock",

@@ -52,8 +52,8 @@ def perform(plan: Plan, rig: Rig, around: Surroundings) -> RunEnd:
     if around.stop.pressed():
         raise Refused("the stop", "pressed", "clear", "look at the patient, reset the stop and start again")
     names = rig.robot.capabilities.joint_names
-    if plan.path.joint_names != names:
-        given = ", ".join(plan.path.joint_names)
+    if plan.joint_names != names:
+        given = ", ".join(plan.joint_names)
         raise Refused(
             "reference path joints", given, ", ".join(names), "rebuild the reference for this device"
         )
@@ -86,8 +86,8 @@ class Cycle:
             rig.robot, plan.limits, stop, period_ns, ramp_s=plan.prescription.ramp_s
         )
         self._exercise = Exercise(plan, rig.patient, self._period_s)
-        self._law = ImpedanceLaw(thesis_gains(plan.path.joint_names), plan.limits)
-        self._recorder = Recorder(around.sink, len(plan.path.joint_names))
+        self._law = ImpedanceLaw(thesis_gains(plan.joint_names), plan.limits)
+        self._recorder = Recorder(around.sink, len(plan.joint_names))
         self._ticks = 0
         self._t0_ns = self._t_ns = rig.clock.now_ns()
         self._load_share = 0.0
@@ -113,9 +113,7 @@ class Cycle:
         if supervisor.state not in _STOPPED:
             self._goal = exercise.step(state, self._load_share, active)
         goal = self._goal
-        request = self._law.command(
-            state, goal.setpoint, goal.multiple, goal.tau_ff_nm, supervisor.ramp, self._ticks
-        )
+        request = self._law.command(state, goal, supervisor.ramp, self._ticks)
         outcome = supervisor.write(request, self._watch())
         self._load_share = outcome.load_share
         self._record(state, request, outcome)
@@ -160,7 +158,7 @@ class Cycle:
         """The enable edge: from here the hand is led to the path."""
         self._supervisor.enable_edge()
         self._exercise.begin(state.q_rad)
-        self._exercise.player.resume()
+        self._exercise.resume()
 
     def _take_orders(self, state: DeviceState) -> None:
         order = self._around.inbox.take(self._t_ns - self._t0_ns)
@@ -176,11 +174,11 @@ class Cycle:
         now = self._supervisor.state
         match order:
             case Pause():
-                self._exercise.player.pause()
+                self._exercise.pause()
             case Resume() if now == SafetyState.READY and not self._exercise.done:
                 self._enable(state)
             case Resume() if now in _RUNNING:
-                self._exercise.player.resume()
+                self._exercise.resume()
             case SetSpeed():
                 self._exercise.slow_down_to(order.speed)
             case Pain():
@@ -200,7 +198,7 @@ class Cycle:
         return Watch(
             heartbeat_age_ns=monitor.heartbeat_age_ns() if realtime else 0,
             operator_age_ns=monitor.operator_age_ns() if realtime else 0,
-            path_fault=bool(exercise.player.fault),
+            path_fault=bool(exercise.fault),
             overruns_in_row=self._clock.overruns_in_row,
             repetition_age_ns=exercise.repetition_age_ns,
             repetition_timeout_ns=exercise.repetition_timeout_ns if exercise.repetition >= 0 else 0,
@@ -213,12 +211,12 @@ class Cycle:
         self._state = state
         if outcome.events and state in (*_HELD, *_STOPPED):
             exercise.trouble()
-            exercise.player.pause()
+            exercise.pause()
             if state in _STOPPED:
                 self._around.monitor.latched()
         if exercise.done and state in _RUNNING:
             self._supervisor.finish()
-        waiting = exercise.player.paused or state in _HELD
+        waiting = exercise.paused or state in _HELD
         self._waiting_ticks = self._waiting_ticks + 1 if waiting else 0
         if self._waiting_ticks * self._period_s > UNATTENDED_HOLD_S:
             self._supervisor.request_stop("unattended")

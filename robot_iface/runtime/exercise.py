@@ -8,12 +8,12 @@ In words: the hand is brought to the start of the path (approach), stiffness ris
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from robot_iface.control import AssistAsNeeded, FeedForward, Start, StartTrigger, require_mode
+from robot_iface.control import AssistAsNeeded, FeedForward, Goal, Start, StartTrigger, require_mode
 from robot_iface.control.assist import free_ahead
+from robot_iface.errors import Refused
 from robot_iface.motion import PathPlayer, PathState, QuinticPath, Setpoint
 from robot_iface.runtime.heading import cued_direction, headings
 from robot_iface.runtime.orders import Patient
@@ -31,23 +31,6 @@ _MIN_SPEED = 0.1
 _LEAVE_SLEW_RAD_S = 0.5
 
 
-@dataclass(frozen=True, slots=True)
-class Goal:
-    """What one tick asks of the control law. Arrays are (J,).
-
-    Attributes:
-        setpoint: Where the joints should be.
-        multiple: Stiffness as a multiple of the thesis gains.
-        tau_ff_nm: Feed-forward torque.
-        path: Where the path stands.
-    """
-
-    setpoint: Setpoint
-    multiple: Float64
-    tau_ff_nm: Float64
-    path: PathState
-
-
 class Exercise:
     """The sequence of phases over all repetitions, advanced once a tick.
 
@@ -63,16 +46,18 @@ class Exercise:
     def __init__(self, plan: Plan, patient: Patient, period_s: float) -> None:
         ordered = plan.prescription
         require_mode(ordered.mode)
+        if plan.path is None:
+            raise Refused("exercise", "without a path", "with a path", "plan a take")
         self._plan, self._patient, self._period_s = plan, patient, period_s
         self._assistive = ordered.mode == "assistive"
         self._path = QuinticPath(plan.path)
         self.player = PathPlayer(self._path.duration_s, period_s, ordered.speed)
-        joints = len(plan.path.joint_names)
+        joints = len(plan.joint_names)
         still = np.zeros(joints)
         self._start = Setpoint(self._path.start_rad(), still, still)
         self._end = Setpoint(self._path.end_rad(), still, still)
         forgetting = ordered.assist_forgetting if self._assistive else 1.0
-        self._assist = AssistAsNeeded(plan.path.joint_names, ordered.stiffness_multiple, period_s)
+        self._assist = AssistAsNeeded(plan.joint_names, ordered.stiffness_multiple, period_s)
         self._trigger = StartTrigger(cued_direction(self._path), period_s, ordered.cue_timeout_s)
         self._cue_table = self._path.sample(np.arange(0.0, self._path.duration_s + _CUE_STEP_S, _CUE_STEP_S))
         self._headings = headings(self._cue_table)
@@ -112,6 +97,24 @@ class Exercise:
     def done(self) -> bool:
         """Whether every repetition has been made and the hand is back."""
         return self.phase == "done"
+
+    @property
+    def paused(self) -> bool:
+        """Whether a pause was asked for and not yet resumed."""
+        return self.player.paused
+
+    @property
+    def fault(self) -> str:
+        """What the path player refused; empty while it plays."""
+        return self.player.fault
+
+    def pause(self) -> None:
+        """Come to rest on the path."""
+        self.player.pause()
+
+    def resume(self) -> None:
+        """Go on."""
+        self.player.resume()
 
     @property
     def stiffness_multiple(self) -> Float64:

@@ -16,7 +16,9 @@ import numpy as np
 from robot_iface.errors import Refused
 from robot_iface.types import Certificate, Plan
 
-PARTS: tuple[str, ...] = ("path", "prescription", "limits", "twin", "device", "software_version")
+PARTS: tuple[str, ...] = (
+    *("path", "sweep", "prescription", "limits", "twin", "device", "software_version", "wrist_rad"),
+)
 """The parts of a plan that a rehearsal depends on. Seed, pace and scripted stops are not among them."""
 
 
@@ -26,6 +28,8 @@ def canonical_bytes(value: Any) -> bytes:
     Raises:
         TypeError: The value holds something that has no canonical form.
     """
+    if value is None:
+        return b"none;"
     if isinstance(value, np.ndarray):
         array: Any = np.ascontiguousarray(value)
         little = array.astype(array.dtype.newbyteorder("<"), copy=False)

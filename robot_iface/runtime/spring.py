@@ -26,7 +26,7 @@ class Spring:
     """
 
     def __init__(self, plan: Plan, first: float, period_s: float) -> None:
-        ordered, names = plan.prescription, plan.path.joint_names
+        ordered, names = plan.prescription, plan.joint_names
         self._thesis_nm_rad = thesis_gains(names).stiffness_nm_rad
         self._slew = max(ordered.stiffness_multiple, 1.0) / ordered.ramp_s * period_s
         self._gentle_nm = TORQUE_SLEW_NM_S * period_s

@@ -12,17 +12,18 @@ from robot_iface.types.hand import (
     UInt8,
     joint_index,
 )
+from robot_iface.types.limits import Hull, Limits
+from robot_iface.types.patient import VIRTUAL_KINDS, PatientTwin, Spasm, VirtualKind
 from robot_iface.types.plan import (
     MODES,
-    VIRTUAL_KINDS,
+    SPACES,
     Certificate,
-    Limits,
     Mode,
-    PatientTwin,
     Plan,
     Prescription,
     ReferencePath,
-    VirtualKind,
+    Space,
+    Sweep,
 )
 from robot_iface.types.run import PhaseChange, RunEnd, SafetyEvent, SafetyState, TickBlock
 
@@ -32,6 +33,7 @@ __all__ = [
     "JOINTS",
     "LANDMARKS",
     "MODES",
+    "SPACES",
     "VIRTUAL_KINDS",
     "Capabilities",
     "Certificate",
@@ -39,6 +41,7 @@ __all__ = [
     "DeviceCommand",
     "DeviceState",
     "Float64",
+    "Hull",
     "Int64",
     "Limits",
     "Mode",
@@ -51,6 +54,9 @@ __all__ = [
     "SafetyEvent",
     "SafetyState",
     "Side",
+    "Space",
+    "Spasm",
+    "Sweep",
     "TickBlock",
     "UInt8",
     "VirtualKind",

@@ -31,6 +31,8 @@ class Capabilities:
         worn: Whether a patient's hand is inside it.
         unpowered: What its joints do without power (hazard 5).
         encoder_std_rad: Standard deviation of a joint reading.
+        quick_release: Whether a worn device can be opened by hand at once.
+        chain: Whose kinematics its joints follow: the patient's hand inside it, or the robot's own.
     """
 
     name: str
@@ -43,6 +45,8 @@ class Capabilities:
     worn: bool
     unpowered: Literal["free", "damped", "locked"]
     encoder_std_rad: float
+    quick_release: bool = False
+    chain: Literal["hand", "dlr-hit-ii"] = "hand"
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,10 +8,15 @@ from typing import Literal
 import numpy as np
 
 from robot_iface.errors import Refused
-from robot_iface.types.hand import Float64, Side
+from robot_iface.types.hand import DIGITS, Float64, Side
+from robot_iface.types.limits import Limits
+from robot_iface.types.patient import PatientTwin
 
 Mode = Literal["passive", "assistive", "transparent", "resistive"]
 MODES: tuple[Mode, ...] = ("passive", "assistive", "transparent", "resistive")
+Space = Literal["joint", "fingertip"]
+SPACES: tuple[Space, ...] = ("joint", "fingertip")
+SweepKind = Literal["range", "fit"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,35 +59,6 @@ class ReferencePath:
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
-    """Bounds that the lowest layer enforces. Arrays are (J,) over the driven joints.
-
-    Attributes:
-        q_min_rad: Lower end of today's range.
-        q_max_rad: Upper end of today's range.
-        flexion_speed_rad_s: Highest commanded speed into flexion.
-        extension_speed_rad_s: Highest commanded speed into extension.
-        tau_interaction_nm: Highest torque between device and patient.
-        tau_nm: Highest commanded motor torque.
-        tau_rate_nm_s: Highest change of commanded torque.
-        power_w: Highest mechanical power per joint.
-        trip_speed_rad_s: Measured speed that trips the supervisor.
-        margin_rad: How far outside the range a joint may be seen before it trips.
-    """
-
-    q_min_rad: Float64
-    q_max_rad: Float64
-    flexion_speed_rad_s: Float64
-    extension_speed_rad_s: Float64
-    tau_interaction_nm: Float64
-    tau_nm: Float64
-    tau_rate_nm_s: float = 60.0
-    power_w: float = 2.0
-    trip_speed_rad_s: float = float(np.deg2rad(200.0))
-    margin_rad: float = float(np.deg2rad(2.0))
-
-
-@dataclass(frozen=True, slots=True)
 class Prescription:
     """What the therapist ordered.
 
@@ -96,6 +72,14 @@ class Prescription:
         hold_s: Time held at the end of each repetition.
         rest_s: Rest between repetitions.
         cue_timeout_s: How long the patient is waited for before the robot helps (assistive).
+        space: Where the impedance acts: at the joints, or at the fingertips (with a weak joint spring).
+        warm_up_repetitions: First repetitions whose range is less: it ends 10 degrees before today's limits
+            in the first one and 2 degrees nearer in each that follows.
+        minutes: Time after which no new repetition begins, 0 for none.
+        resistance: Resistive: share of the interaction limit with which motion is opposed.
+        assistance: Assistance carried over from the last session: stiffness multiples by digit (order of
+            DIGITS), a row for extension and one for flexion; empty to begin with ``stiffness_multiple``.
+        skin_check_s: Motion time after which a person must have looked at the skin, 0 for never.
     """
 
     mode: Mode
@@ -107,6 +91,12 @@ class Prescription:
     hold_s: float = 0.5
     rest_s: float = 0.5
     cue_timeout_s: float = 8.0
+    space: Space = "joint"
+    warm_up_repetitions: int = 0
+    minutes: float = 0.0
+    resistance: float = 0.3
+    assistance: tuple[tuple[float, ...], ...] = ()
+    skin_check_s: float = 0.0
 
     def __post_init__(self) -> None:
         checks = (
@@ -124,41 +114,65 @@ class Prescription:
             ("hold", self.hold_s, 0.0 <= self.hold_s <= 60.0, "0 to 60 s"),
             ("rest", self.rest_s, 0.0 <= self.rest_s <= 600.0, "0 to 600 s"),
             ("cue time-out", self.cue_timeout_s, 1.0 <= self.cue_timeout_s <= 60.0, "1 to 60 s"),
+            ("space", self.space, self.space in SPACES, "one of " + ", ".join(SPACES)),
+            ("warm-up", self.warm_up_repetitions, 0 <= self.warm_up_repetitions <= 50, "0 to 50 repetitions"),
+            ("minutes", self.minutes, 0.0 <= self.minutes <= 120.0, "0 to 120"),
+            ("resistance", self.resistance, 0.05 <= self.resistance <= 0.8, "0.05 to 0.8"),
+            (
+                "assistance",
+                self.assistance,
+                _is_assistance(self.assistance),
+                "2 rows of 5, 0.1 to 4",
+            ),
+            ("skin check", self.skin_check_s, self.skin_check_s >= 0.0, "0 s or more"),
         )
         for name, value, allowed, bound in checks:
             if not allowed:
                 raise Refused(f"prescription {name}", str(value), bound, "change the prescription")
 
 
-VirtualKind = Literal[
-    "healthy", "flaccid", "weak", "mas1+", "mas2", "mas3", "tremor", "slacking", "resisting"
-]
-VIRTUAL_KINDS: tuple[VirtualKind, ...] = (
-    "healthy",
-    "flaccid",
-    "weak",
-    "mas1+",
-    "mas2",
-    "mas3",
-    "tremor",
-    "slacking",
-    "resisting",
-)
+def _is_assistance(rows: tuple[tuple[float, ...], ...]) -> bool:
+    if not rows:
+        return True
+    return len(rows) == 2 and all(
+        len(row) == len(DIGITS) and all(0.1 <= value <= 4.0 for value in row) for row in rows
+    )
 
 
 @dataclass(frozen=True, slots=True)
-class PatientTwin:
-    """The virtual patient in a simulated device; also the twin on which a path is rehearsed.
+class Sweep:
+    """A run without a path: a guided assessment of the hand in the device.
 
     Attributes:
-        kind: Impairment, one of VIRTUAL_KINDS.
-        side: Side of the hand.
-        hand_length_m: Wrist crease to middle fingertip.
+        kind: "range" measures today's range at named postures, "fit" checks the fit and the sign of every
+            joint after donning.
+        joint_names: The J joints of the device.
+        side: Side of the patient's hand.
+        postures: Names of the postures in order, such as open, tabletop, hook, fist; empty for "fit".
+        goals_rad: Where the robot helps towards in each posture, (P, J).
+        speed_rad_s: Highest speed of the help.
+        active: Whether the patient is first asked to make each posture alone (transparent); the robot then
+            goes on slowly and gently from there (passive).
+        dwell_s: How long the hand must rest at the end of a posture.
+        timeout_s: Longest time of one posture's active or passive part.
     """
 
-    kind: VirtualKind = "healthy"
-    side: Side = "right"
-    hand_length_m: float = 0.189
+    kind: SweepKind
+    joint_names: tuple[str, ...]
+    side: Side
+    postures: tuple[str, ...]
+    goals_rad: Float64
+    speed_rad_s: float = 0.17
+    active: bool = True
+    dwell_s: float = 1.0
+    timeout_s: float = 20.0
+
+    def __post_init__(self) -> None:
+        if self.goals_rad.shape != (len(self.postures), len(self.joint_names)):
+            bound = f"({len(self.postures)}, {len(self.joint_names)})"
+            raise Refused("sweep goals", f"of shape {self.goals_rad.shape}", bound, "give one row a posture")
+        if not 0.0 < self.speed_rad_s <= 0.35:
+            raise Refused("sweep speed", f"{self.speed_rad_s:g} rad/s", "above 0, at most 0.35", "go slower")
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,9 +201,11 @@ class Certificate:
 class Plan:
     """Everything the motion process needs; it is handed over whole before the first tick.
 
+    Exactly one of ``path`` and ``sweep`` is given.
+
     Attributes:
-        device: Device name, "exoskeleton".
-        path: Reference path.
+        device: Device name, one of ``robot_iface.build.DEVICES`` or a real one.
+        path: Reference path; None in a run without a path.
         prescription: What the therapist ordered.
         limits: Bounds of the lowest layer.
         twin: Virtual patient, of the simulated device and of the rehearsal.
@@ -197,10 +213,14 @@ class Plan:
         software_version: Version that is going to run.
         realtime: Run on the wall clock; otherwise as fast as it can.
         stop_at_s: Simulated times at which a scripted stop is pressed (headless runs and tests).
+        sweep: Guided assessment; None where a path is played.
+        wrist_rad: Wrist extension at which the hand is held today.
+        confirmed_device: Name of the real device that a person has confirmed; must equal ``device`` where
+            that is not a simulation.
     """
 
     device: str
-    path: ReferencePath
+    path: ReferencePath | None
     prescription: Prescription
     limits: Limits
     twin: PatientTwin
@@ -208,3 +228,32 @@ class Plan:
     software_version: str
     realtime: bool = False
     stop_at_s: tuple[float, ...] = field(default=())
+    sweep: Sweep | None = None
+    wrist_rad: float = 0.0
+    confirmed_device: str = ""
+
+    def __post_init__(self) -> None:
+        if (self.path is None) == (self.sweep is None):
+            both = "both" if self.path is not None else "neither"
+            raise Refused("plan", f"with {both} of path and sweep", "exactly one", "plan it again")
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The J joints that are moved."""
+        return self._task.joint_names
+
+    @property
+    def side(self) -> Side:
+        """Side of the patient's hand."""
+        return self._task.side
+
+    @property
+    def path_s(self) -> float:
+        """Length of the path at full speed, s; 0 without a path."""
+        return 0.0 if self.path is None else float(self.path.t_s[-1])
+
+    @property
+    def _task(self) -> ReferencePath | Sweep:
+        task = self.path or self.sweep
+        assert task is not None  # refused at construction
+        return task

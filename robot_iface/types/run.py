@@ -98,6 +98,10 @@ class RunEnd:
         late_p99_ns: 99th percentile of wake-up lateness in real time, 0 in simulated time.
         overruns: Ticks that missed their deadline in real time.
         digest: SHA-256 over every block, phase and event in order.
+        reason: Why it ended: repetitions, minutes, reversals, fatigue, skin-check, sweep, or a stop's cause.
+        reversals: How often the supervisor went back on a load.
+        assistance: Assistance reached, as ``Prescription.assistance``; empty where there was none.
+        scheduling: What scheduling the loop had, as a phrase.
     """
 
     simulated_s: float
@@ -106,3 +110,7 @@ class RunEnd:
     late_p99_ns: int
     overruns: int
     digest: str
+    reason: str = ""
+    reversals: int = 0
+    assistance: tuple[tuple[float, ...], ...] = ()
+    scheduling: str = ""

@@ -80,7 +80,7 @@ def test_another_side_is_mirrored_and_said(approved, take):
         CONSOLE, given_name="A", family_name="B", birth_date="1950-12-31", side="left", hand_length_m=0.175
     )
     prepared = approved.therapy.plan(take, patient_id=patient.id, **FAST)
-    assert prepared.plan.path.side == prepared.geometry.side == prepared.plan.twin.side == "left"
+    assert prepared.plan.side == prepared.geometry.side == prepared.plan.twin.side == "left"
     assert prepared.geometry.length_m == pytest.approx(0.175)
     assert any("mirrored" in note for note in prepared.notes)
     same = approved.therapy.plan(take, **FAST)

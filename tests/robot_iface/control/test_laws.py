@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robot_iface.control import BUILT_MODES, ImpedanceLaw, require_mode, thesis_gains
+from robot_iface.control import BUILT_MODES, Goal, ImpedanceLaw, require_mode, thesis_gains
 from robot_iface.control.assist import free_ahead
 from robot_iface.errors import Refused
-from robot_iface.motion import Setpoint
+from robot_iface.motion import PathState, Setpoint
 from robot_iface.safety import shipped_limits
 from robot_iface.types import MODES, CommandMode, DeviceState
 
@@ -43,9 +43,9 @@ def test_impedance_is_spring_and_damper_with_a_saturated_spring(
     error: np.ndarray, dq: np.ndarray, dq_d: np.ndarray, n: float, ramp: float
 ) -> None:
     q = np.full(J, 0.5)
-    command = ImpedanceLaw(thesis_gains(NAMES), LIMITS).command(
-        state(q, dq), Setpoint(q + error, dq_d, np.zeros(J)), n, np.full(J, 0.01), ramp, 7
-    )
+    setpoint = Setpoint(q + error, dq_d, np.zeros(J))
+    goal = Goal(setpoint, np.full(J, n), np.full(J, 0.01), PathState(0.0, 0.0, 0.0, False))
+    command = ImpedanceLaw(thesis_gains(NAMES), LIMITS).command(state(q, dq), goal, ramp, 7)
     gains = thesis_gains(NAMES).scaled(n * ramp)
     bound = 0.9 * LIMITS.tau_interaction_nm
     spring = command.stiffness_nm_rad * (command.q_rad - q)

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from robot_iface.control import ImpedanceLaw, thesis_gains
-from robot_iface.motion import Setpoint
+from robot_iface.control import Goal, ImpedanceLaw, thesis_gains
+from robot_iface.motion import PathState, Setpoint
 from robot_iface.safety import Supervisor, Watch, shipped_limits
 from robot_iface.types import Capabilities, CommandMode, DeviceCommand, DeviceState, SafetyState
 
@@ -159,9 +159,8 @@ class Rig:
         state = self.supervisor.read(self.hand.tick * PERIOD_NS)
         setpoint = Setpoint(self.goal, self.speed, np.zeros(3))
         self.seq += 1
-        request = self.law.command(
-            state, setpoint, self.multiple, np.zeros(3), self.supervisor.ramp, self.seq
-        )
+        goal = Goal(setpoint, np.full(3, self.multiple), np.zeros(3), PathState(0.0, 0.0, 0.0, False))
+        request = self.law.command(state, goal, self.supervisor.ramp, self.seq)
         outcome = self.supervisor.write(self.change(request), self.watch)
         self.hand.step()
         self.outcomes.append(outcome)

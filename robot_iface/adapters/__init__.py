@@ -1,0 +1,1 @@
+"""Real devices, one module for each way of speaking to them."""
