@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from sessions.metrics.hand_motion import ESTIMATED, HandMotion
 from sessions.metrics.metric import Estimate, Metric, metric
-from sessions.metrics.recording import Origin
+from sessions.metrics.recording import Origin, seconds
+from sessions.metrics.strokes import over_strokes
+from sessions.metrics.timing import Decomposition, decompose
 from sessions.metrics.tracking import pooled_rmse, rmse
 from sessions.records import DIGITS, JOINTS
 from sessions.records.fields import Float64, Int64
@@ -16,6 +19,14 @@ from sessions.records.topics import PATIENT_POSE, PHASE, REFERENCE
 
 UNKNOWN_STIFFNESS = "the stiffness at which it was obtained is not in the file"
 TOPICS = (PATIENT_POSE, REFERENCE, PHASE)
+DECOMPOSED = 12
+"""Most repetitions whose error is taken apart, spread evenly over the session."""
+_PARTS: tuple[tuple[str, Callable[[Decomposition], Estimate]], ...] = (
+    ("timing_delay", lambda one: one.delay),
+    ("timing_warp", lambda one: one.warp),
+    ("shape_error", lambda one: one.shape),
+    ("offset_error", lambda one: one.offset),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,3 +143,32 @@ def tracking_metrics(followed: Followed, origin: Origin, conditions: str) -> lis
     whole = (("joint_rmse", followed.joint_rmse(rows)), ("fingertip_rmse", followed.fingertip_rmse(rows)))
     found += [metric(name, "whole", error if conditions else hidden, lineage) for name, error in whole]
     return found
+
+
+def decomposed_metrics(followed: Followed, origin: Origin, conditions: str) -> list[Metric]:
+    """Timing, shape and offset of each fingertip's error; the mean over repetitions with its t-interval.
+
+    Args:
+        followed: The paired rows.
+        origin: Which file.
+        conditions: The stiffness in words; empty where it is unknown: then nothing is given.
+    """
+    made = np.unique(followed.repetition[followed.repetition >= 0])
+    chosen = made[np.unique(np.linspace(0, made.size - 1, min(made.size, DECOMPOSED)).astype(np.int64))]
+    lineage = origin.lineage(TOPICS, followed.patient.t_ns[followed.moving()], conditions)
+    found: list[Metric] = []
+    for column, digit in enumerate(DIGITS):
+        parts = [_decomposed(followed, column, int(index)) for index in chosen] if conditions else []
+        flag = followed.patient.tip_flag(column)
+        for name, read in _PARTS:
+            estimate = over_strokes([read(part) for part in parts])
+            if not parts:
+                estimate = Estimate.missing("no repetition" if conditions else UNKNOWN_STIFFNESS)
+            found.append(metric(name, digit, estimate, lineage, flag))
+    return found
+
+
+def _decomposed(followed: Followed, digit: int, repetition: int) -> Decomposition:
+    rows = followed.moving(repetition)
+    t_s = seconds(followed.patient.t_ns[rows])
+    return decompose(t_s, followed.tips_m[rows, digit], followed.reference_tips_m[rows, digit])

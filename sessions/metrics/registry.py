@@ -28,6 +28,20 @@ class Definition:
 _ROWS = (
     ("fingertip_rmse", "m", "Fingertip error", "How far the fingertip was from the therapist's, on average."),
     ("joint_rmse", "rad", "Joint error", "How far the joint was from the therapist's angle, on average."),
+    ("timing_delay", "s", "Behind by", "How late the fingertip was as a whole; negative when it was early."),
+    ("timing_warp", "s", "Uneven timing", "By how much single instants were early or late besides."),
+    (
+        "shape_error",
+        "m",
+        "Error of shape",
+        "How far the path itself was from the therapist's, timing left out.",
+    ),
+    (
+        "offset_error",
+        "m",
+        "Constant offset",
+        "How far the fingertip was beside the therapist's all the time.",
+    ),
     ("range_of_motion", "rad", "Range of motion", "Largest less smallest angle that was held for 0.1 s."),
     ("angle_min", "rad", "Smallest angle", "Smallest angle that was held for 0.1 s; flexion is positive."),
     ("angle_max", "rad", "Largest angle", "Largest angle that was held for 0.1 s; flexion is positive."),

@@ -6,17 +6,25 @@ SPARC: Balasubramanian et al. 2015, doi 10.1186/s12984-015-0090-9. LDLJ of a *sp
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from scipy.fft import rfft
 
 from sessions.metrics.metric import Estimate
-from sessions.records.fields import Float64
+from sessions.records.fields import Float64, Int64
 
 SPARC_CUT_HZ = 10.0
 SPARC_THRESHOLD = 0.05
 SPARC_PADDING = 4
 SHORTEST = 8
 """Fewest samples of a profile."""
+_TOGETHER = 32  # profiles whose spectra are held at once: they stay in the processor's cache
+_TOO_SHORT = Estimate.missing(f"fewer than {SHORTEST} samples")
+_GAP = Estimate.missing("the profile has a gap")
+_NOTHING_MOVED = Estimate.missing("nothing moved")
+_UNCHANGED = Estimate.missing("the speed does not change")
 
 
 def sparc(speed: Float64, rate_hz: float) -> Estimate:
@@ -29,22 +37,61 @@ def sparc(speed: Float64, rate_hz: float) -> Estimate:
         speed: Speed profile, shape (N,), any amplitude.
         rate_hz: Samples per second.
     """
-    reason = _why_not(speed)
-    if reason:
-        return Estimate.missing(reason)
-    size = 2 ** (math.ceil(math.log2(speed.size)) + SPARC_PADDING)
-    frequency_hz = np.arange(size) * (rate_hz / size)
-    spectrum = np.abs(np.fft.fft(speed, size))
-    spectrum /= spectrum.max()
-    below = frequency_hz <= SPARC_CUT_HZ
-    frequency_hz, spectrum = frequency_hz[below], spectrum[below]
-    above = np.flatnonzero(spectrum >= SPARC_THRESHOLD)
-    chosen = slice(int(above[0]), int(above[-1]) + 1)
-    frequency_hz, spectrum = frequency_hz[chosen], spectrum[chosen]
-    if frequency_hz.size < 2:
-        return Estimate.missing("the speed does not change")
-    along = np.diff(frequency_hz) / (frequency_hz[-1] - frequency_hz[0])
-    return Estimate(-float(np.sum(np.hypot(along, np.diff(spectrum)))))
+    return sparc_many([speed], rate_hz)[0]
+
+
+def sparc_many(speeds: Sequence[Float64], rate_hz: float) -> list[Estimate]:
+    """Spectral arc length of many profiles; those whose spectra are equally long are transformed together.
+
+    Args:
+        speeds: Profiles, each (N,) of its own length.
+        rate_hz: Samples per second of all of them.
+    """
+    lengths = np.array([speed.size for speed in speeds], dtype=np.int64)
+    found = [_TOO_SHORT] * len(speeds)
+    long_enough = np.flatnonzero(lengths >= SHORTEST)
+    sizes = 2 ** (np.ceil(np.log2(np.maximum(lengths, 1))).astype(np.int64) + SPARC_PADDING)
+    for size in np.unique(sizes[long_enough]):
+        rows = long_enough[sizes[long_enough] == size]
+        for first in range(0, len(rows), _TOGETHER):
+            chosen = rows[first : first + _TOGETHER]
+            table, largest = _table([speeds[index] for index in chosen], lengths[chosen])
+            arcs = _arc_lengths(table, int(size), rate_hz)
+            for index, peak, arc in zip(chosen.tolist(), largest.tolist(), arcs.tolist(), strict=True):
+                found[index] = _judged(peak, arc)
+    return found
+
+
+def _table(speeds: list[Float64], lengths: Int64) -> tuple[Float64, Float64]:
+    """Profiles as rows padded with zeros, (R, N), and the largest value of each, NaN where there is a gap."""
+    table = np.zeros((len(speeds), int(lengths.max())))
+    table[np.arange(table.shape[1]) < lengths[:, None]] = np.concatenate(speeds)
+    return table, table.max(axis=1)
+
+
+def _arc_lengths(table: Float64, size: int, rate_hz: float) -> Float64:
+    """Arc lengths of profiles (R, N) whose spectra have ``size`` lines, (R,); not finite where none is."""
+    lines = min(math.floor(SPARC_CUT_HZ * size / rate_hz + 1e-9) + 1, size // 2 + 1)
+    whole: Any = rfft(table, size, axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        spectrum: Float64 = np.abs(whole[:, :lines])
+        spectrum /= spectrum.max(axis=1, keepdims=True)
+        above = spectrum >= SPARC_THRESHOLD
+        first = above.argmax(axis=1)
+        last = lines - 1 - above[:, ::-1].argmax(axis=1)
+        rises = spectrum[:, 1:] - spectrum[:, :-1]
+        arcs = np.sqrt(rises * rises + 1.0 / ((last - first) ** 2.0)[:, None])
+    column = np.arange(lines - 1)
+    inside = (column >= first[:, None]) & (column < last[:, None])
+    return np.sum(arcs, axis=1, where=inside)
+
+
+def _judged(peak: float, arc: float) -> Estimate:
+    if not math.isfinite(peak):
+        return _GAP
+    if not peak > 0.0:
+        return _NOTHING_MOVED
+    return Estimate(-arc) if math.isfinite(arc) and arc > 0.0 else _UNCHANGED
 
 
 def ldlj(speed: Float64, rate_hz: float) -> Estimate:
@@ -56,19 +103,14 @@ def ldlj(speed: Float64, rate_hz: float) -> Estimate:
         speed: Speed profile, shape (N,), any amplitude.
         rate_hz: Samples per second.
     """
-    reason = _why_not(speed)
-    if reason:
-        return Estimate.missing(reason)
+    if speed.size < SHORTEST:
+        return _TOO_SHORT
+    if not bool(np.isfinite(speed).all()):
+        return _GAP
+    if not float(speed.max()) > 0.0:
+        return _NOTHING_MOVED
     step_s = 1.0 / rate_hz
     jerk = np.diff(speed, 2) / step_s**2
     duration_s = speed.size * step_s
     cost = duration_s**3 / float(speed.max()) ** 2 * float(np.sum(jerk**2)) * step_s
-    return Estimate(-math.log(cost)) if cost > 0 else Estimate.missing("the speed does not change")
-
-
-def _why_not(speed: Float64) -> str:
-    if speed.size < SHORTEST:
-        return f"fewer than {SHORTEST} samples"
-    if not bool(np.isfinite(speed).all()):
-        return "the profile has a gap"
-    return "" if float(speed.max()) > 0 else "nothing moved"
+    return Estimate(-math.log(cost)) if cost > 0 else _UNCHANGED

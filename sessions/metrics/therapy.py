@@ -8,7 +8,7 @@ import numpy as np
 
 from sessions.errors import Refused
 from sessions.metrics.dose import dose_completed, time_in
-from sessions.metrics.followed import Followed, followed_by, pair, tracking_metrics
+from sessions.metrics.followed import Followed, decomposed_metrics, followed_by, pair, tracking_metrics
 from sessions.metrics.hand_motion import (
     HandMotion,
     active_motion_metrics,
@@ -51,6 +51,7 @@ def measure_therapy(recording: Recording) -> Summary:
     passive = "passive" in modes(read.phases) or "assistive" in modes(read.phases)
     numbers = [
         *tracking_metrics(read.followed, read.origin, read.conditions),
+        *decomposed_metrics(read.followed, read.origin, read.conditions),
         *support,
         *effort_metrics(read.robot, read.origin),
         *_dose(read, repetitions, stops, recording.header.prescription),
