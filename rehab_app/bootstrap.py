@@ -10,17 +10,25 @@ from rehab_app import __version__
 from rehab_app.config import resolve_folder
 from rehab_app.errors import Refused
 from rehab_app.services.accounts import Accounts
+from rehab_app.services.assessment import Assessment
 from rehab_app.services.audit import Audit
 from rehab_app.services.calibrations import Calibrations, Hands
 from rehab_app.services.clinic import Clinic
+from rehab_app.services.clinical import Clinical
 from rehab_app.services.lease import ServerLease
+from rehab_app.services.limit_acts import LimitActs
 from rehab_app.services.live import LiveDesk
 from rehab_app.services.marker_names import MarkerNames
+from rehab_app.services.patient_limits import PatientLimits
 from rehab_app.services.patients import Patients
+from rehab_app.services.planning import Planner
 from rehab_app.services.reports import Reports
+from rehab_app.services.retouching import Retouching
+from rehab_app.services.runs import Runs
 from rehab_app.services.sessions import Sessions
 from rehab_app.services.takes import Takes
 from rehab_app.services.therapy import Therapy
+from rehab_app.services.wearer import Wearers
 from sessions.catalogue import Catalogue
 
 
@@ -43,7 +51,9 @@ def open_clinic(folder: Path | None = None, serving: bool = False) -> Clinic:
     audit = Audit(catalogue)
     calibrations, hands = Calibrations(catalogue, audit), Hands(catalogue, audit)
     takes = Takes(place, catalogue, audit, calibrations, hands)
-    therapy = Therapy(place, catalogue, takes, audit)
+    clinical, limits = Clinical(catalogue, audit), PatientLimits(catalogue, audit)
+    wearers, runs = Wearers(clinical, limits), Runs(place, catalogue, audit)
+    therapy = Therapy(catalogue, takes, clinical, Planner(catalogue, wearers), runs, audit)
     sessions = Sessions(place, catalogue)
     audit.start()
     return Clinic(
@@ -53,11 +63,15 @@ def open_clinic(folder: Path | None = None, serving: bool = False) -> Clinic:
         audit=audit,
         accounts=Accounts(catalogue, audit),
         patients=Patients(catalogue, audit),
+        clinical=clinical,
+        limits=LimitActs(catalogue, clinical, limits),
         calibrations=calibrations,
         hands=hands,
         takes=takes,
         marker_names=MarkerNames(place, takes, calibrations),
+        retouching=Retouching(place, takes),
         therapy=therapy,
+        assessment=Assessment(catalogue, clinical, wearers, limits, therapy, runs),
         sessions=sessions,
         reports=Reports(place, sessions, audit),
         live=LiveDesk(takes, therapy, audit),

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-
+from robot_iface.adapters.advice import real_device_advice
+from robot_iface.adapters.device_file import device_names
+from robot_iface.adapters.ros2 import open_ros2, ros2_capabilities
 from robot_iface.errors import Refused
-from robot_iface.loop import SimulatedClock
-from robot_iface.runtime import Rig
-from robot_iface.sim import SimulatedExoskeleton, device_capabilities
+from robot_iface.loop import PacedSimulatedClock, RealTimeClock, SimulatedClock
+from robot_iface.runtime import PresentPatient, Rig
+from robot_iface.sim.choice import SIMULATED, is_real, simulated, simulated_capabilities
 from robot_iface.types import Capabilities, Plan
 
-DEVICES: tuple[str, ...] = ("exoskeleton",)
-"""Devices that this version can move."""
-_MOST_BEHIND_NS = 250_000_000
+__all__ = ["DEVICES", "capabilities", "device_names", "open_rig", "real_device_advice"]
+
+DEVICES: tuple[str, ...] = SIMULATED
+"""Devices that are always there; a real one has its own name (``ros2:NAME``) and is never the default."""
 
 
 def capabilities(device: str) -> Capabilities:
@@ -22,47 +23,33 @@ def capabilities(device: str) -> Capabilities:
     Raises:
         Refused: There is no such device.
     """
-    if device not in DEVICES:
-        raise Refused("robot", repr(device), "one of " + ", ".join(DEVICES), "choose one of these")
-    return device_capabilities()
+    return ros2_capabilities(device) if is_real(device) else simulated_capabilities(device)
 
 
 def open_rig(plan: Plan) -> Rig:
     """Device, clock and patient for a plan; nothing is opened or powered yet.
 
     Raises:
-        Refused: There is no such device, or no such virtual patient.
+        Refused: There is no such device or virtual patient; or the device is real and nobody has confirmed
+            it, the run is not one in real time, or what speaks to it is not installed.
     """
-    if plan.device not in DEVICES:
-        raise Refused("robot", repr(plan.device), "one of " + ", ".join(DEVICES), "choose one of these")
-    robot = SimulatedExoskeleton(plan.twin, plan.seed)
+    if is_real(plan.device):
+        return _real_rig(plan)
+    robot, patient = simulated(plan.device, plan.twin, plan.seed)
+    period_ns = robot.capabilities.period_ns
     if plan.realtime:
-        return Rig(robot, PacedSimulatedClock(robot.capabilities.period_ns, robot.advance), robot.patient)
-    return Rig(robot, SimulatedClock(robot.capabilities.period_ns, robot.advance), robot.patient)
+        return Rig(robot, PacedSimulatedClock(period_ns, robot.advance), patient)
+    return Rig(robot, SimulatedClock(period_ns, robot.advance), patient)
 
 
-class PacedSimulatedClock(SimulatedClock):
-    """Simulated time that keeps pace with the wall clock, so that people can watch and act.
-
-    Control and physics still advance one period at a time, so a stalled machine makes the simulation late,
-    never different: no tick is skipped, none is an overrun. After a stall it makes up for 250 ms at most; the
-    rest is left out of the wall clock's account instead of rushing the patient.
-
-    Args:
-        period_ns: Control period.
-        advance: Called once a tick to advance the simulated device by one period.
-    """
-
-    def __init__(self, period_ns: int, advance: Callable[[], None]) -> None:
-        super().__init__(period_ns, advance)
-        self._start_ns = time.monotonic_ns()
-
-    def wait_next_tick(self) -> int:
-        """Wait until the tick is due by the wall clock, then advance; returns how late it was."""
-        ahead_ns = self._start_ns + self.now_ns() + self.period_ns - time.monotonic_ns()
-        if ahead_ns > 0:
-            time.sleep(ahead_ns * 1e-9)
-        elif ahead_ns < -_MOST_BEHIND_NS:
-            self._start_ns += -ahead_ns - _MOST_BEHIND_NS
-        super().wait_next_tick()
-        return max(-ahead_ns, 0)
+def _real_rig(plan: Plan) -> Rig:
+    """A real device never moves by default: a person has named it and confirmed it, and time is real."""
+    if plan.confirmed_device != plan.device:
+        confirmed = repr(plan.confirmed_device) if plan.confirmed_device else "not confirmed"
+        remedy = "look at the device and confirm it by its name"
+        raise Refused(f"real device {plan.device}", confirmed, "confirmed by its own name", remedy)
+    if not plan.realtime:
+        remedy = "start it on the wall clock, or choose a simulation"
+        raise Refused(f"real device {plan.device}", "on simulated time", "on real time", remedy)
+    robot = open_ros2(plan.device)
+    return Rig(robot, RealTimeClock(robot.capabilities.period_ns), PresentPatient())

@@ -7,11 +7,13 @@ from typing import Annotated
 import typer
 
 from rehab_app import __version__
-from rehab_app.cli import demo, files, people, recording, serving, therapy, track
+from rehab_app.cli import clinical, demo, files, people, recording, serving, therapy, track
 from rehab_app.cli.calibration_files import calibrate
 from rehab_app.cli.camera import camera
 from rehab_app.cli.grasp import grasp
+from rehab_app.cli.limits import limits
 from rehab_app.cli.refusals import Commands
+from rehab_app.cli.retouch import retouch
 
 app = typer.Typer(
     name="rehab-app",
@@ -45,6 +47,7 @@ app.command("import")(recording.import_)
 app.command("record")(recording.record)
 app.command("track")(track.track)
 app.command("approve")(recording.approve)
+app.command("retouch")(retouch)
 app.command("rehearse")(therapy.rehearse)
 app.command("play")(therapy.play)
 app.command("grasp")(grasp)
@@ -54,5 +57,6 @@ app.command("verify")(files.verify)
 app.command("recover")(files.recover)
 app.add_typer(calibrate, name="calibrate")
 app.add_typer(camera, name="camera")
-app.add_typer(people.patient, name="patient")
+app.add_typer(clinical.patient, name="patient")
+app.add_typer(limits, name="limits")
 app.add_typer(people.user, name="user")

@@ -15,6 +15,7 @@ from pathlib import Path
 from rehab_app.bootstrap import check_port
 from rehab_app.config import ClinicFolder
 from rehab_app.errors import Refused
+from robot_iface.build import real_device_advice
 from sessions.store import partials
 
 _SPACE_BYTES = 1_000_000_000
@@ -57,6 +58,7 @@ def examine(folder: ClinicFolder, port: int) -> tuple[Finding, ...]:
         _space(folder),
         _port(port),
         *_unsealed(folder),
+        *_real_hand(),
     )
 
 
@@ -134,6 +136,12 @@ def _port(port: int) -> Finding:
     except Refused as refusal:
         return Finding("port", False, str(refusal), "use another with --port")
     return Finding("port", True, f"{port} is free")
+
+
+def _real_hand() -> Iterator[Finding]:
+    """What a real hand needs; nothing of it is wrong where only the simulation is used."""
+    for sentence in real_device_advice():
+        yield Finding("real hand", True, sentence)
 
 
 def _unsealed(folder: ClinicFolder) -> Iterator[Finding]:

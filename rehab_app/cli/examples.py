@@ -13,6 +13,7 @@ from rehab_app.access import CONSOLE
 from rehab_app.bootstrap import open_clinic
 from rehab_app.errors import Refused
 from rehab_app.services.clinic import Clinic
+from rehab_app.services.order import Order
 
 ENVIRONMENT = "REHAB_SHARED_DATA"
 SPEED = 0.5
@@ -85,7 +86,8 @@ def _make(
 ) -> list[Path]:
     summary = clinic.takes.import_file(file, actor=CONSOLE, side="right")
     clinic.takes.approve(summary.take, CONSOLE)
-    prepared = clinic.therapy.plan(summary.take, actor=CONSOLE, speed=SPEED, repetitions=1, seed=seed)
+    order = Order(speed=SPEED, repetitions=1, seed=seed)
+    prepared = clinic.therapy.plan(summary.take, order, actor=CONSOLE)
     for note in prepared.notes:
         say(f"  {note}")
     result = clinic.therapy.rehearse_and_play(prepared, actor=CONSOLE)

@@ -8,38 +8,22 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from rehab_app.cli.options import Data, Json, Out, Seed, Take
+from rehab_app.cli.options import Data, Json, Out, Present, Take
+from rehab_app.cli.ordering import with_order
 from rehab_app.cli.output import Output
 
 if TYPE_CHECKING:
+    from rehab_app.services.order import Order
     from rehab_app.services.rows import PreparedPlan
     from rehab_app.therapy.run import PlayResult
     from robot_iface.types import Certificate
 
-Robot: TypeAlias = Annotated[str, typer.Option("--robot", help="Device.")]
-Mode: TypeAlias = Annotated[str, typer.Option("--mode", help="passive or assistive.")]
 Patient: TypeAlias = Annotated[str | None, typer.Option("--patient", help="Patient id.", show_default=False)]
-Twin: TypeAlias = Annotated[str, typer.Option("--virtual-patient", help="Who wears the simulated robot.")]
-Speed: TypeAlias = Annotated[float, typer.Option("--speed", help="Path speed, 0.1 to 1 of the therapist's.")]
-Repetitions: TypeAlias = Annotated[int, typer.Option("--repetitions", help="How many times.")]
-Stiffness: TypeAlias = Annotated[
-    float | None,
-    typer.Option("--stiffness", help="Multiple of the thesis gains, 0.1 to 10.", show_default=False),
-]
 
 
+@with_order
 def rehearse(
-    take: Take,
-    robot: Robot = "exoskeleton",
-    mode: Mode = "passive",
-    patient: Patient = None,
-    virtual_patient: Twin = "healthy",
-    speed: Speed = 0.5,
-    repetitions: Repetitions = 3,
-    stiffness: Stiffness = None,
-    seed: Seed = 0,
-    data: Data = None,
-    json: Json = False,
+    take: Take, order: Order, patient: Patient = None, data: Data = None, json: Json = False
 ) -> None:
     """Try a take on the patient's virtual twin, without a robot."""
     from rehab_app.access import CONSOLE
@@ -47,37 +31,22 @@ def rehearse(
 
     output = Output(json)
     with open_clinic(data) as clinic:
-        prepared = clinic.therapy.plan(
-            take,
-            actor=CONSOLE,
-            patient_id=patient,
-            device=robot,
-            mode=mode,
-            speed=speed,
-            repetitions=repetitions,
-            twin=virtual_patient,
-            seed=seed,
-            stiffness_multiple=stiffness,
-        )
-        _tell_plan(output, prepared)
+        prepared = clinic.therapy.plan(take, order, actor=CONSOLE, patient_id=patient)
+        tell_plan(output, prepared)
         certificate = clinic.therapy.rehearse(prepared, actor=CONSOLE)
     output.say(certificate.summary)
-    output.result(_certificate_json(prepared, certificate))
+    output.result(certificate_json(prepared, certificate))
     if not certificate.accepted:
         raise typer.Exit(1)
 
 
+@with_order
 def play(
     take: Take,
-    robot: Robot = "exoskeleton",
-    mode: Mode = "passive",
+    order: Order,
     patient: Patient = None,
-    virtual_patient: Twin = "healthy",
-    speed: Speed = 0.5,
-    repetitions: Repetitions = 3,
-    stiffness: Stiffness = None,
-    realtime: Annotated[bool, typer.Option("--realtime", help="On the wall clock.")] = False,
-    seed: Seed = 0,
+    present: Present = None,
+    check_fit: Annotated[bool, typer.Option("--check-fit", help="Check the fit first.")] = False,
     out: Out = None,
     data: Data = None,
     json: Json = False,
@@ -88,21 +57,12 @@ def play(
 
     output = Output(json)
     with open_clinic(data) as clinic:
-        prepared = clinic.therapy.plan(
-            take,
-            actor=CONSOLE,
-            patient_id=patient,
-            device=robot,
-            mode=mode,
-            speed=speed,
-            repetitions=repetitions,
-            twin=virtual_patient,
-            seed=seed,
-            stiffness_multiple=stiffness,
-            realtime=realtime,
-        )
-        _tell_plan(output, prepared)
-        result = clinic.therapy.rehearse_and_play(prepared, actor=CONSOLE, out=out)
+        prepared = clinic.therapy.plan(take, order, actor=CONSOLE, patient_id=patient)
+        tell_plan(output, prepared)
+        if check_fit:
+            clinic.assessment.require_fit(patient, order, actor=CONSOLE)
+            output.say("The device fits: every joint follows in the right sense.")
+        result = clinic.therapy.rehearse_and_play(prepared, actor=CONSOLE, out=out, present=present)
     _tell_result(output, result)
     notes = {"speed": prepared.plan.prescription.speed, "notes": list(prepared.notes)}
     output.result({**result_json(result), **notes})
@@ -116,7 +76,8 @@ def result_json(result: PlayResult) -> dict[str, Any]:
     return content
 
 
-def _certificate_json(prepared: PreparedPlan, certificate: Certificate) -> dict[str, Any]:
+def certificate_json(prepared: PreparedPlan, certificate: Certificate) -> dict[str, Any]:
+    """A rehearsal, as JSON."""
     joints = prepared.plan.joint_names
     return {
         "accepted": certificate.accepted,
@@ -129,7 +90,10 @@ def _certificate_json(prepared: PreparedPlan, certificate: Certificate) -> dict[
     }
 
 
-def _tell_plan(output: Output, prepared: PreparedPlan) -> None:
+def tell_plan(output: Output, prepared: PreparedPlan) -> None:
+    """Who is meant, by two identifiers, and what the therapist should know."""
+    if prepared.identity:
+        output.say(f"For {prepared.identity}.")
     for note in prepared.notes:
         output.say(note)
 

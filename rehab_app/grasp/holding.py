@@ -36,19 +36,31 @@ def thumb_arc_rad(points_m: Float64) -> float:
     return float(max(0.0, (-_angles(points_m[None]))[0].max()))
 
 
-def holdable(holds: Callable[[float], bool]) -> str:
-    """The radii that can be held, in words, to half a millimetre from inside.
+def held_range_m(holds: Callable[[float], bool]) -> tuple[float, float] | None:
+    """The radii that can be held, to half a millimetre from inside; None where none of the tried ones is.
 
     Args:
         holds: Whether a radius in metres can be held.
     """
     held = [radius for radius in _RADII_M if holds(radius)]
     if not held:
-        return f"no radius from {_RADII_M[0]:g} to {_RADII_M[-1]:g} m"
+        return None
     low, high = held[0], held[-1]
     below = low if low == _RADII_M[0] else _edge(holds, low, _RADII_M[_RADII_M.index(low) - 1])
     above = high if high == _RADII_M[-1] else _edge(holds, high, _RADII_M[_RADII_M.index(high) + 1])
-    return f"{below:.4g} to {above:.4g} m"
+    return below, above
+
+
+def holdable(holds: Callable[[float], bool]) -> str:
+    """The same in words.
+
+    Args:
+        holds: Whether a radius in metres can be held.
+    """
+    held = held_range_m(holds)
+    if held is None:
+        return f"no radius from {_RADII_M[0]:g} to {_RADII_M[-1]:g} m"
+    return f"{held[0]:.4g} to {held[1]:.4g} m"
 
 
 def _edge(holds: Callable[[float], bool], held_m: float, open_m: float) -> float:

@@ -100,6 +100,10 @@ class TakeRecorder:
         for topic, record in records:
             self._writer.write(topic, record)
 
+    def attach(self, name: str, texts: dict[str, str]) -> None:
+        """Add a metadata record, such as how the take was retouched."""
+        self._writer.attach_metadata(name, texts)
+
     def seal(self) -> SealedSession:
         """Finish the take.
 

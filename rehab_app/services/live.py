@@ -19,7 +19,9 @@ from rehab_app.errors import REFUSALS, Refused
 from rehab_app.services.audit import Audit
 from rehab_app.services.live_board import Board
 from rehab_app.services.live_recording import RecordingJob, RecordingOrder
+from rehab_app.services.live_target import LiveTarget
 from rehab_app.services.live_therapy import TherapyJob
+from rehab_app.services.order import Order
 from rehab_app.services.patients import side_named
 from rehab_app.services.recording_request import PROTOCOL, VIRTUAL, RecordingRequest
 from rehab_app.services.snapshot import BUSY, LiveSnapshot
@@ -37,12 +39,16 @@ class LiveDesk:
         takes: Where recordings go.
         therapy: What rehearses and plays.
         audit: Where every verb is noted.
+
+    Attributes:
+        target: The target grip that the pictures show.
     """
 
     def __init__(self, takes: Takes, therapy: Therapy, audit: Audit) -> None:
         self._takes = takes
         self._therapy = therapy
         self._audit = audit
+        self.target = LiveTarget(audit)
         self._board = Board()
         self._starting = threading.Lock()
         self._thread: threading.Thread | None = None
@@ -51,8 +57,8 @@ class LiveDesk:
         self._stop_source = ""
 
     def snapshot(self) -> LiveSnapshot:
-        """The newest picture; takes no lock."""
-        shown, source = self._board.snapshot, self._stop_source
+        """The newest picture, with the target grip laid over it; waits for nothing."""
+        shown, source = self.target.onto(self._board.snapshot), self._stop_source
         if not source:
             return shown
         message = f"Stopped by {source}. Look at the patient, then clear the stop."
@@ -138,7 +144,7 @@ class LiveDesk:
         mode: str = "passive",
         speed: float = 0.5,
         repetitions: int = 3,
-        twin: str = "healthy",
+        twin: str = "",
         seed: int = 0,
     ) -> None:
         """Rehearse, then play in real time.
@@ -150,17 +156,8 @@ class LiveDesk:
         require(account, "play")
         self._check_free()
         self._therapy.check_approved(self._takes.get(take_id))
-        prepared = self._therapy.plan(
-            take_id,
-            actor=account,
-            patient_id=patient_id,
-            mode=mode,
-            speed=speed,
-            repetitions=repetitions,
-            twin=twin,
-            seed=seed,
-            realtime=True,
-        )
+        order = Order(mode=mode, speed=speed, repetitions=repetitions, twin=twin, seed=seed, realtime=True)
+        prepared = self._therapy.plan(take_id, order, actor=account, patient_id=patient_id)
         with self._starting:
             self._check_free()
             self._board.begin(

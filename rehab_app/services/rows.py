@@ -26,6 +26,9 @@ class TakeRow:
         duration_s: Length.
         created_utc_ns: When it was recorded or imported.
         approved_by: Who approved it, None while nobody has.
+        parent: Id of the take that it was retouched from, "" if none.
+        author: Who retouched it, "" if nobody.
+        reason: Why.
     """
 
     id: str
@@ -37,6 +40,9 @@ class TakeRow:
     duration_s: float
     created_utc_ns: int
     approved_by: str | None
+    parent: str = ""
+    author: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +54,7 @@ class SessionRow:
         path: The file.
         sha256: Its digest.
         patient_id: Pseudonym, "" where the session had no patient of the clinic (a demonstration).
-        take_id: The take that was played.
+        take_id: The take that was played, "" of a guided assessment.
         mode: Therapy mode.
         started_utc_ns: When it began.
     """
@@ -95,8 +101,11 @@ class PreparedPlan:
         notes: What was changed on the way (mirrored, clipped, slowed), each one sentence.
         geometry: The patient's hand.
         patient_id: Pseudonym, "" without a patient of the clinic.
-        take_id: Catalogue id of the take.
+        take_id: Catalogue id of the take; "" of a guided assessment, which plays none.
         exercise: Exercise name.
+        identity: Name, birth date, side and pseudonym to be compared by a person before anything moves; for
+            the screen only, never for files; "" without a patient.
+        binding: Ties the plan to the patient it was made for; a plan that was changed since has another one.
     """
 
     plan: Plan
@@ -106,6 +115,8 @@ class PreparedPlan:
     patient_id: str
     take_id: str
     exercise: str
+    identity: str
+    binding: str
 
 
 @dataclass(frozen=True, slots=True)

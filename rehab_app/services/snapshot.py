@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from rehab_app.services.grip_finder import NO_GRIP, FoundGrip
 from robot_iface.kinematics import HandGeometry, average_hand
 from sessions.records import Side
 from sessions.records.fields import Float64
@@ -58,6 +59,7 @@ class LiveSnapshot:
         paused: Whether the path is held.
         stop_source: Who pressed stop; "" while it is not pressed.
         speed: Path speed asked for, 0 outside therapy.
+        grip: The target grip that is shown beside the hands.
     """
 
     state: LiveState = "idle"
@@ -87,3 +89,4 @@ class LiveSnapshot:
     paused: bool = False
     stop_source: str = ""
     speed: float = 0.0
+    grip: FoundGrip = NO_GRIP

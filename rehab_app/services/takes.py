@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from rehab_app.access import Account, require
@@ -22,6 +23,23 @@ from rehab_app.services.take_sources import Listeners, Recorded, import_take, re
 from rehab_app.tracking.bare_hand import PROTOCOL as BARE_HAND
 from sessions.catalogue import Approval, Catalogue, Take
 from sessions.store import SessionReader
+
+
+@dataclass(frozen=True, slots=True)
+class Lineage:
+    """Where a take came from that was made of another one.
+
+    Attributes:
+        parent: Catalogue id of the other one.
+        author: Who made it.
+        reason: Why.
+        retouch: JSON of what was done.
+    """
+
+    parent: str
+    author: str
+    reason: str
+    retouch: str
 
 
 class Takes:
@@ -149,19 +167,20 @@ class Takes:
         request = RecordingRequest(exercise=exercise, side=side_named(side), seconds=seconds, seed=seed)
         return self.record(request, actor, out)
 
-    def enter(self, path: Path, verb: str, actor: Account) -> TakeRow:
+    def enter(self, path: Path, verb: str, actor: Account, lineage: Lineage | None = None) -> TakeRow:
         """Enter a new take file of the clinic folder into the catalogue.
 
         Args:
             path: The sealed file.
             verb: What made it, for the audit.
             actor: Who made it.
+            lineage: Where it came from; None where it was made of no other take.
 
         Raises:
             Refused: The actor may not record.
         """
         require(actor, "record")
-        row = self._row(self._enter(path))
+        row = self._row(self._enter(path, lineage))
         self._audit.note(actor, verb, row.id, row.sha256)
         return row
 
@@ -244,21 +263,20 @@ class Takes:
         storage.copy_sealed(path, target, sha256)
         return self._enter(target)
 
-    def _enter(self, path: Path) -> Take:
+    def _enter(self, path: Path, lineage: Lineage | None = None) -> Take:
         with SessionReader(path) as reader:
             header = reader.header
             span = reader.span_ns() or (0, 0)
-        return self._catalogue.add_take(
-            Take(
-                sha256=storage.digest(path),
-                path=path.relative_to(self._folder.root).as_posix(),
-                side=header.side,
-                exercise=header.exercise,
-                source=header.source,
-                duration_s=(span[1] - span[0]) / 1e9,
-                subject_id=header.subject_id,
-            )
+        take = Take(
+            sha256=storage.digest(path),
+            path=path.relative_to(self._folder.root).as_posix(),
+            side=header.side,
+            exercise=header.exercise,
+            source=header.source,
+            duration_s=(span[1] - span[0]) / 1e9,
+            subject_id=header.subject_id,
         )
+        return self._catalogue.add_take(take if lineage is None else replace(take, **asdict(lineage)))
 
     def _row(self, take: Take) -> TakeRow:
         approval = self._catalogue.approval(take.id)
@@ -272,4 +290,7 @@ class Takes:
             duration_s=take.duration_s,
             created_utc_ns=take.created_utc_ns,
             approved_by=None if approval is None else approval.by,
+            parent=take.parent,
+            author=take.author,
+            reason=take.reason,
         )

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 from rehab_app import __version__
 from rehab_app.access import Account, require
-from rehab_app.config import ClinicFolder
 from rehab_app.errors import Refused
 from rehab_app.services import storage
 from rehab_app.services.audit import Audit
-from rehab_app.services.planning import Order, prepare
+from rehab_app.services.clinical import Clinical
+from rehab_app.services.order import PLAIN, Order
+from rehab_app.services.planning import Planner
 from rehab_app.services.rows import PreparedPlan, TakeRow
+from rehab_app.services.runs import Runs
 from rehab_app.services.takes import Takes
-from rehab_app.therapy.run import PlayResult, record_run, session_header
-from robot_iface.build import capabilities
+from rehab_app.services.wearer import binding
+from rehab_app.therapy.run import PlayResult
 from robot_iface.link import MotionClient
 from robot_iface.types import Certificate
-from sessions.catalogue import Catalogue, TherapySession
+from sessions.catalogue import Catalogue
 
 SHORTEST_S = 1.0
 
@@ -27,40 +30,49 @@ class Therapy:
     """From an approved take to a sealed session.
 
     Args:
-        folder: The clinic folder.
-        catalogue: Its catalogue.
+        catalogue: The clinic's catalogue.
         takes: Where takes are found.
+        clinical: Clinical records.
+        planner: Makes plans.
+        runs: Runs and keeps them.
         audit: Where verbs are noted.
+        clock_ns: UTC in ns.
     """
 
-    def __init__(self, folder: ClinicFolder, catalogue: Catalogue, takes: Takes, audit: Audit) -> None:
-        self._folder = folder
+    def __init__(
+        self,
+        catalogue: Catalogue,
+        takes: Takes,
+        clinical: Clinical,
+        planner: Planner,
+        runs: Runs,
+        audit: Audit,
+        clock_ns: Callable[[], int] = time.time_ns,
+    ) -> None:
         self._catalogue = catalogue
         self._takes = takes
+        self._clinical = clinical
+        self._planner = planner
+        self._runs = runs
         self._audit = audit
+        self._clock_ns = clock_ns
 
     def plan(
-        self,
-        take: str | Path,
-        *,
-        actor: Account,
-        patient_id: str | None = None,
-        device: str = "exoskeleton",
-        mode: str = "passive",
-        speed: float = 0.5,
-        repetitions: int = 3,
-        twin: str = "healthy",
-        seed: int = 0,
-        stiffness_multiple: float | None = None,
-        realtime: bool = False,
+        self, take: str | Path, order: Order = PLAIN, *, actor: Account, patient_id: str | None = None
     ) -> PreparedPlan:
         """Make the take playable for the patient: fitted, mirrored where needed, within limits.
 
         Without a patient the hand is of average size and of the take's side.
 
+        Args:
+            take: Path or catalogue id.
+            order: What is asked for.
+            actor: Who asks.
+            patient_id: Pseudonym of the patient.
+
         Raises:
-            Refused: The actor may not play, take or patient is unknown, the take is shorter than 1 s, or a
-                value of the prescription is out of bounds.
+            Refused: The actor may not play, take or patient is unknown, the take is shorter than 1 s, the
+                patient's diagnosis locks the mode, limits do not hold any more, or a value is out of bounds.
         """
         require(actor, "play")
         row = self._takes.get(take)
@@ -72,17 +84,7 @@ class Therapy:
                 "record the movement again",
             )
         patient = None if patient_id is None else self._catalogue.patient(patient_id)
-        order = Order(
-            device=device,
-            mode=mode,
-            speed=speed,
-            repetitions=repetitions,
-            twin=twin,
-            seed=seed,
-            stiffness_multiple=stiffness_multiple,
-            realtime=realtime,
-        )
-        return prepare(row, self._takes.motion(row.id), patient, order, __version__)
+        return self._planner.prepare(row, self._takes.motion(row.id), patient, order, __version__)
 
     def rehearse(
         self, prepared: PreparedPlan, *, actor: Account, client: MotionClient | None = None
@@ -102,9 +104,8 @@ class Therapy:
             with MotionClient() as started:
                 return self.rehearse(prepared, actor=actor, client=started)
         certificate = client.rehearse(prepared.plan)
-        self._audit.note(
-            actor, "rehearse", prepared.take_id, "accepted" if certificate.accepted else "not accepted"
-        )
+        subject = prepared.take_id or prepared.patient_id
+        self._audit.note(actor, "rehearse", subject, "accepted" if certificate.accepted else "not accepted")
         return certificate
 
     def play(
@@ -115,6 +116,7 @@ class Therapy:
         actor: Account,
         out: Path | None = None,
         client: MotionClient | None = None,
+        present: str | None = None,
     ) -> PlayResult:
         """Play in the motion process and seal the session; blocks until it is done or stopped.
 
@@ -124,41 +126,30 @@ class Therapy:
             actor: Who plays.
             out: A copy for the user.
             client: A running motion process, None to start one for this.
+            present: Pseudonym of who sits at the robot, as a person confirmed; None where nobody was asked.
 
         Raises:
-            Refused: The actor may not, the take is not approved or its file was changed, the certificate was
-                not given for this plan, or the motion process failed.
+            Refused: The actor may not, the take is not approved or its file was changed, the plan is
+                another patient's or does not hold any more, the certificate was not given for it, or the
+                motion process failed.
         """
         require(actor, "play")
         storage.check_out(out)
-        row = self._takes.get(prepared.take_id)
-        self.check_approved(row)
+        self.check_approved(self._takes.get(prepared.take_id))
+        self.check_patient(prepared, present)
         if client is None:
             with MotionClient() as started:
-                return self.play(prepared, certificate, actor=actor, out=out, client=started)
-        self._audit.note(actor, "play", row.id, f"{prepared.plan.prescription.mode} {certificate.digest}")
-        device = capabilities(prepared.plan.device)
-        header = session_header(
-            prepared.plan,
-            certificate,
-            prepared.geometry,
-            prepared.exercise,
-            prepared.patient_id or "demonstration",
-            device,
-        )
-        client.start(prepared.plan, certificate)
-        result = record_run(
-            client.messages(),
-            storage.new_file(self._folder.sessions),
-            header,
-            prepared.plan,
-            prepared.geometry,
-            device,
-        )
-        return self._keep(result, prepared, header.utc_start_ns, actor, out)
+                return self.play(prepared, certificate, actor=actor, out=out, client=started, present=present)
+        self._runs.order(prepared, actor)
+        return self._runs.run(client, prepared, certificate, actor, out)
 
     def rehearse_and_play(
-        self, prepared: PreparedPlan, *, actor: Account, out: Path | None = None
+        self,
+        prepared: PreparedPlan,
+        *,
+        actor: Account,
+        out: Path | None = None,
+        present: str | None = None,
     ) -> PlayResult:
         """Rehearse, then play, in one motion process.
 
@@ -167,10 +158,11 @@ class Therapy:
         """
         storage.check_out(out)
         self.check_approved(self._takes.get(prepared.take_id))
+        self.check_patient(prepared, present)
         with MotionClient() as client:
             certificate = self.rehearse(prepared, actor=actor, client=client)
             check_accepted(certificate)
-            return self.play(prepared, certificate, actor=actor, out=out, client=client)
+            return self.play(prepared, certificate, actor=actor, out=out, client=client, present=present)
 
     def check_approved(self, row: TakeRow) -> None:
         """Refuse a take that nobody approved, or whose file is not the approved one.
@@ -187,25 +179,31 @@ class Therapy:
             )
         self._takes.check_unchanged(row)
 
-    def _keep(
-        self, result: PlayResult, prepared: PreparedPlan, utc_start_ns: int, actor: Account, out: Path | None
-    ) -> PlayResult:
-        """Enter the session into the catalogue and copy it where the user wants one."""
-        entered = self._catalogue.add_session(
-            TherapySession(
-                patient=prepared.patient_id,
-                take=prepared.take_id,
-                sha256=result.sha256,
-                path=result.path.relative_to(self._folder.root).as_posix(),
-                mode=result.mode,
-                started_utc_ns=utc_start_ns,
-            )
-        )
-        ended = "completed" if result.completed else "ended early"
-        self._audit.note(actor, "session", entered.id, ended)
-        if out is not None:
-            storage.copy_sealed(result.path, out, result.sha256)
-        return replace(result, session=entered.id, path=result.path if out is None else out)
+    def check_patient(self, prepared: PreparedPlan, present: str | None = None) -> None:
+        """Refuse a plan for anybody but the patient it was made for, or one that time has overtaken.
+
+        Raises:
+            Refused: The plan was made for another patient or changed since, the patient's side or hand was
+                corrected meanwhile, the mode was locked meanwhile, or its limits have expired.
+        """
+        again = "plan it again for this patient"
+        if prepared.binding != binding(prepared.patient_id, prepared.plan):
+            raise Refused("plan", "made for another patient, or changed since", "as it was made", again)
+        if present is not None and present != prepared.patient_id:
+            made_for = prepared.patient_id or "no patient of the clinic"
+            raise Refused("plan", f"made for {made_for}", f"made for {present}, who is present", again)
+        if not prepared.patient_id:
+            return
+        patient, twin = self._catalogue.patient(prepared.patient_id), prepared.plan.twin
+        if (patient.side, patient.hand_length_m) != (twin.side, twin.hand_length_m):
+            met = f"for a {twin.side} hand of {100 * twin.hand_length_m:.1f} cm"
+            bound = f"for the {patient.side} hand of {100 * patient.hand_length_m:.1f} cm on record"
+            raise Refused(f"plan of {patient.id}", met, bound, again)
+        self._clinical.check_mode(patient.id, prepared.plan.prescription.mode)
+        expires = prepared.plan.limits.expires_utc_ns
+        if expires and self._clock_ns() >= expires:
+            again = "measure them again with rehab-app limits measure"
+            raise Refused(f"limits of {patient.id}", "expired", "measured today", again)
 
 
 def check_accepted(certificate: Certificate) -> None:

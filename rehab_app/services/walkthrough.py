@@ -16,6 +16,7 @@ from pathlib import Path
 from rehab_app.access import CONSOLE
 from rehab_app.errors import Refused
 from rehab_app.services.clinic import Clinic
+from rehab_app.services.order import Order
 from rehab_app.services.rows import PreparedPlan, TakeRow
 from rehab_app.therapy.run import PlayResult
 
@@ -120,10 +121,7 @@ def _plan(
     """A plan whose repetitions fill about half of the asked time."""
 
     def planned(repetitions: int) -> PreparedPlan:
-        return clinic.therapy.plan(
-            take,
-            actor=CONSOLE,
-            patient_id=patient_id,
+        order = Order(
             mode=part.mode,
             speed=SPEED,
             repetitions=repetitions,
@@ -131,6 +129,7 @@ def _plan(
             seed=seed,
             stiffness_multiple=part.stiffness_multiple,
         )
+        return clinic.therapy.plan(take, order, actor=CONSOLE, patient_id=patient_id)
 
     once = planned(1)
     repetition_s = once.plan.path_s / once.plan.prescription.speed + _OVERHEAD_S

@@ -60,3 +60,29 @@ def clip_notes(names: tuple[str, ...], wish_rad: Float64, limits: Limits) -> tup
                     f"({np.rad2deg(bound):.0f} deg)."
                 )
     return tuple(notes)
+
+
+def posture_notes(
+    names: tuple[str, ...], asked_rad: Float64, low_rad: Float64, high_rad: Float64, take_s: Float64
+) -> tuple[str, ...]:
+    """Postures that a robot with a chain of its own cannot make, the worst of each joint.
+
+    Args:
+        names: Its J joints.
+        asked_rad: What the movement would need of them, shape (K, J).
+        low_rad: Lower ends of what they can do, shape (J,).
+        high_rad: Upper ends, shape (J,).
+        take_s: Time in the take of each row, shape (K,).
+    """
+    beyond = np.maximum(asked_rad - high_rad, low_rad - asked_rad)
+    notes: list[str] = []
+    for joint, name in enumerate(names):
+        worst = int(np.argmax(beyond[:, joint]))
+        if beyond[worst, joint] > CLIP_NOTE_RAD:
+            asked = float(asked_rad[worst, joint])
+            bound = high_rad[joint] if asked > high_rad[joint] else low_rad[joint]
+            notes.append(
+                f"The robot cannot make the posture at {take_s[worst]:.1f} s of the take: {name} would be at "
+                f"{np.rad2deg(asked):.0f} deg, its end is {np.rad2deg(bound):.0f} deg."
+            )
+    return tuple(notes)

@@ -15,7 +15,7 @@ from pathlib import Path
 import msgspec
 
 from rehab_app.hand.subject import geometry_to_json
-from rehab_app.therapy.run_poses import WornHand
+from rehab_app.therapy.run_poses import run_hand
 from rehab_app.therapy.run_recorder import Message, RunRecorder
 from rehab_app.therapy.run_result import PlayResult, result_of
 from robot_iface.errors import Refused
@@ -45,7 +45,7 @@ def session_header(
         plan: What is played.
         certificate: Of its rehearsal.
         geometry: The patient's hand.
-        exercise: Exercise name.
+        exercise: Exercise name; empty for that of a guided sweep.
         subject_id: Pseudonym.
         device: What plays it.
     """
@@ -55,8 +55,8 @@ def session_header(
         kind="therapy",
         subject_id=subject_id,
         side=plan.side,
-        exercise=exercise,
-        source=f"{device.name} (simulated, {plan.twin.kind})" if device.simulated else device.name,
+        exercise=exercise or _untitled(plan),
+        source=source_of(plan, device),
         software_version=plan.software_version,
         utc_start_ns=now.utc_start_ns,
         monotonic_start_ns=0 if device.simulated else now.monotonic_start_ns,
@@ -67,6 +67,22 @@ def session_header(
         certificate=_json(certificate),
         parents=() if plan.path is None else (plan.path.take_digest,),
     )
+
+
+def source_of(plan: Plan, device: Capabilities) -> str:
+    """What moved, in words: device, whether it is simulated and with whom, whose chain its joints follow."""
+    facts: list[str] = []
+    if device.simulated:
+        facts.append(f"simulated, {plan.twin.kind}" if device.worn else "simulated")
+    if device.chain != "hand":
+        facts.append(f"not worn, its own {device.chain} chain")
+    return f"{device.name} ({', '.join(facts)})" if facts else device.name
+
+
+def _untitled(plan: Plan) -> str:
+    if plan.sweep is None:
+        return ""
+    return "fit check" if plan.sweep.kind == "fit" else "range sweep"
 
 
 def record_run(
@@ -93,10 +109,12 @@ def record_run(
     Raises:
         Refused: The motion process ended without saying how, or the file cannot be written.
     """
-    hand = WornHand(geometry, plan.joint_names, device.encoder_std_rad)
+    hand = run_hand(device, geometry)
     end: RunEnd | None = None
     with SessionWriter(path, header) as writer:
-        recorder = RunRecorder(writer.write, hand, plan.joint_names, plan.prescription.mode)
+        recorder = RunRecorder(
+            writer.write, hand, plan.joint_names, plan.prescription.mode, follows=plan.path is not None
+        )
         for message in messages:
             if isinstance(message, RunEnd):
                 end = message

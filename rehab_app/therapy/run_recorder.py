@@ -8,7 +8,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from rehab_app.therapy.run_poses import Poses, WornHand
+from rehab_app.therapy.run_causes import sentence_of
+from rehab_app.therapy.run_poses import Poses, RunHand
 from robot_iface.types import (
     DIGITS,
     LANDMARKS,
@@ -45,13 +46,6 @@ Write: TypeAlias = Callable[[Topic, object], None]
 
 POSE_PERIOD_NS = 10_000_000  # 100 Hz
 TRANSFORM_PERIOD_NS = 34_000_000  # at most 30 Hz
-_CAUSES = {
-    "e-stop": "Stop was pressed.",
-    "heartbeat-lost": "The application fell silent.",
-    "speed-trip": "A joint moved faster than its trip speed.",
-    "interaction-limit": "The torque between robot and hand reached its limit.",
-    "pain": "Pain was entered.",
-}
 
 
 class RunRecorder:
@@ -59,12 +53,22 @@ class RunRecorder:
 
     Args:
         write: Takes a topic and its record (``SessionWriter.write``).
-        hand: The patient's hand in the robot.
+        hand: What moves: the patient's hand in the robot, or a robot that nobody wears.
         driven_joints: Names of the driven joints, in the order of the blocks.
         mode: Therapy mode, for the phase rows.
+        follows: Whether there is a reference; a guided sweep has none.
     """
 
-    def __init__(self, write: Write, hand: WornHand, driven_joints: tuple[str, ...], mode: str) -> None:
+    def __init__(
+        self,
+        write: Write,
+        hand: RunHand,
+        driven_joints: tuple[str, ...],
+        mode: str,
+        *,
+        follows: bool = True,
+    ) -> None:
+        self._follows = follows
         self._write = write
         self._hand = hand
         self._digit = np.array([DIGITS.index(digit_of(joint)) for joint in driven_joints])
@@ -102,20 +106,19 @@ class RunRecorder:
 
     def _poses(self, block: TickBlock, rows: Int64) -> None:
         patient = self._hand.poses(block.q_rad[rows])
-        reference = self._hand.poses(block.q_reference_rad[rows])
-        commanded = self._hand.poses(block.q_command_rad[rows])
+        hands = {"patient": patient, "robot": self._hand.poses(block.q_command_rad[rows])}
+        if self._follows:
+            hands = {"reference": self._hand.poses(block.q_reference_rad[rows]), **hands}
         std_m = self._hand.fingertip_std_m(patient.joints_rad)
         for index, row in enumerate(rows.tolist()):
             t_ns = int(block.t_ns[row])
-            self._write(REFERENCE, _reference(t_ns, float(block.path_s[row]), reference, index))
+            if self._follows:
+                self._write(REFERENCE, _reference(t_ns, float(block.path_s[row]), hands["reference"], index))
             self._write(PATIENT_POSE, self._patient(t_ns, patient, std_m, index))
             if t_ns >= self._next_transform_ns:
                 self._next_transform_ns = t_ns + TRANSFORM_PERIOD_NS
-                hands = {"reference": reference, "patient": patient, "robot": commanded}
-                self._write(
-                    TRANSFORMS,
-                    _transforms(t_ns, {name: poses.landmarks_m[index] for name, poses in hands.items()}),
-                )
+                landmarks = {name: poses.landmarks_m[index] for name, poses in hands.items()}
+                self._write(TRANSFORMS, _transforms(t_ns, landmarks))
 
     def _patient(self, t_ns: int, poses: Poses, std_m: Float64, index: int) -> PatientPose:
         return PatientPose(
@@ -211,7 +214,6 @@ def _transforms(t_ns: int, hands: dict[str, Float64]) -> Transforms:
 def _event_record(event: SafetyEvent) -> Event:
     stopped = event.state in (SafetyState.CAT1, SafetyState.CAT0)
     severity = "alarm" if stopped else "caution" if event.state >= SafetyState.HOLD else "info"
-    sentence = _CAUSES.get(event.cause, f"The supervisor went to {event.state.name} for {event.cause}.")
     return Event(
         t_ns=event.t_ns,
         kind="stop" if stopped else "violation" if event.state >= SafetyState.HOLD else "session",
@@ -221,5 +223,5 @@ def _event_record(event: SafetyEvent) -> Event:
         subject=event.joint,
         value=event.value if math.isfinite(event.value) else math.nan,
         bound=event.bound,
-        text=sentence,
+        text=sentence_of(event),
     )

@@ -67,6 +67,10 @@ class PlayResult:
         simulated_s: Time on the loop's clock.
         late_p99_ns: 99th percentile of wake-up lateness, 0 in simulated time.
         overruns: Missed ticks, 0 in simulated time.
+        reason: Why it ended, see ``RunEnd.reason``.
+        reversals: How often the robot went back on a load.
+        assistance: Assistance reached, see ``RunEnd.assistance``.
+        scheduling: What scheduling the loop had.
     """
 
     session: str
@@ -83,6 +87,10 @@ class PlayResult:
     simulated_s: float
     late_p99_ns: int
     overruns: int
+    reason: str = ""
+    reversals: int = 0
+    assistance: tuple[tuple[float, ...], ...] = ()
+    scheduling: str = ""
 
 
 def result_of(sealed: SealedSession, mode: str, end: RunEnd) -> PlayResult:
@@ -112,6 +120,10 @@ def result_of(sealed: SealedSession, mode: str, end: RunEnd) -> PlayResult:
         simulated_s=end.simulated_s,
         late_p99_ns=end.late_p99_ns,
         overruns=end.overruns,
+        reason=end.reason,
+        reversals=end.reversals,
+        assistance=end.assistance,
+        scheduling=end.scheduling,
     )
 
 

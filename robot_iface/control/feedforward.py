@@ -5,13 +5,19 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
+from robot_iface.control.feedforward_kernels import collect, look_up
 from robot_iface.types import Float64, Limits
 
 LEARNING_RATE = 0.8
 CUTOFF_HZ = 5.0
 DISCARD_LOAD_SHARE = 0.8
+WORSE, WORSE_RAD = 1.2, float(np.deg2rad(0.3))
+"""A joint whose error has grown by this factor, and by more than this, learns anew, ..."""
+SLOWER = 0.25
+"""... at this share of its rate from then on."""
 BOUND_SHARE = 0.5
 """The feed-forward is at most this share of the interaction limit."""
 FADE_S = 0.4
@@ -30,7 +36,9 @@ class FeedForward:
     Indexed on the path coordinate, so that a pause or another speed does not shift it. The 5 Hz low-pass
     runs forwards and backwards between repetitions, hence without lag. Everything learnt is thrown away
     after a reversal, pain, or a load above 80 % of the limit: what pushes that hard shall not be pushed
-    harder. The caller slews what ``torque`` gives.
+    harder. A joint that learning has made worse forgets and learns at a quarter of the rate: K may be less
+    than was said (the fingertip law on a straight finger), or the hand another than before. The caller slews
+    what ``torque`` gives.
 
     Args:
         duration_s: Length of the path.
@@ -41,6 +49,8 @@ class FeedForward:
             ahead on its way then teaches nothing: running ahead is success, not a fault. Learnt from are
             joints that lag, and joints that the path leaves where they are. The torque is zero at both ends
             of the path, so that the start is the patient's own. None (passive): every error, everywhere.
+        stiffness_share: Share of the stiffness given to ``learn`` that holds the hand in every direction, a
+            number or (J,): ``learning_share``.
     """
 
     def __init__(
@@ -49,13 +59,13 @@ class FeedForward:
         limits: Limits,
         forgetting: float,
         headings_rad: Float64 | None = None,
+        stiffness_share: Float64 | float = 1.0,
     ) -> None:
         bins = int(np.ceil(duration_s / _STEP_S)) + 2
         joints = limits.tau_interaction_nm.size
         self._bound_nm: Float64 = BOUND_SHARE * limits.tau_interaction_nm
-        self._low_rad, self._high_rad = limits.q_min_rad, limits.q_max_rad
+        self._ends_rad: Float64 = np.stack((limits.q_min_rad, limits.q_max_rad))
         self._forgetting = forgetting
-        self._last = bins - 2
         places_s: Float64 = np.arange(bins, dtype=np.float64) * _STEP_S
         self._headings: Float64 | None = None
         self._fade: Float64 = np.ones((bins, 1))
@@ -64,8 +74,12 @@ class FeedForward:
             self._fade = _fade(places_s, duration_s)[:, None]
         self._learnt_nm: Float64 = np.zeros((bins, joints))
         self._errors_rad: Float64 = np.zeros((bins, joints))
-        self._counts: list[int] = [0] * bins
+        self._counts: Float64 = np.zeros(bins)
         self._peak_load = 0.0
+        self._rate: Float64 = LEARNING_RATE * stiffness_share * np.ones(joints)
+        self._last_rad: Float64 = np.full(joints, np.inf)
+        self.observe(0.0, self.torque(0.0, np.zeros(joints)), 0.0)  # compiles both
+        self._counts[:] = 0.0
 
     def torque(self, path_s: float, q_rad: Float64) -> Float64:
         """Feed-forward torque at a path coordinate, (J,) Nm, linear between bins.
@@ -75,12 +89,9 @@ class FeedForward:
             q_rad: Measured angles, (J,): what pushes a joint towards an end of its range that it is near is
                 reduced.
         """
-        place = path_s / _STEP_S
-        low = min(int(place), self._last)
-        part = min(place - low, 1.0)
-        tau = self._learnt_nm[low] * (1.0 - part) + self._learnt_nm[low + 1] * part
-        room = np.where(tau > 0.0, self._high_rad - q_rad, q_rad - self._low_rad)
-        return tau * np.minimum(np.maximum(room / NEAR_LIMIT_RAD, 0.0), 1.0)
+        out: Float64 = np.empty(q_rad.size)
+        look_up(self._learnt_nm, path_s / _STEP_S, q_rad, self._ends_rad, NEAR_LIMIT_RAD, out)
+        return out
 
     def forget(self) -> None:
         """Throw away at once what was learnt, as after pain; the repetition goes on without it."""
@@ -88,9 +99,7 @@ class FeedForward:
 
     def observe(self, path_s: float, error_rad: Float64, load_share: float) -> None:
         """Note the tracking error q_d - q, (J,), and the load (``Outcome.load_share``) of one moving tick."""
-        place = min(int(path_s / _STEP_S + 0.5), self._last + 1)
-        self._errors_rad[place] += error_rad
-        self._counts[place] += 1
+        collect(self._errors_rad, self._counts, path_s / _STEP_S, error_rad)
         if load_share > self._peak_load:
             self._peak_load = load_share
 
@@ -108,21 +117,30 @@ class FeedForward:
         keep = not discard and self._peak_load <= DISCARD_LOAD_SHARE
         if not keep:
             self.forget()
-        elif any(self._counts):
+        elif bool(self._counts.any()):
             error = self._mean_error()
+            worse = self._worse(np.sqrt((error * error).mean(axis=0)))
             if self._headings is not None:
                 error = _without_ahead(error, self._headings)
             error = _low_pass(error, path_speed / _STEP_S)
-            updated = self._forgetting * self._learnt_nm + LEARNING_RATE * stiffness_nm_rad * error
-            self._learnt_nm = self._fade * np.clip(updated, -self._bound_nm, self._bound_nm)
+            updated = self._forgetting * self._learnt_nm + self._rate * stiffness_nm_rad * error
+            bounded = np.clip(updated, -self._bound_nm, self._bound_nm)
+            self._learnt_nm = np.where(worse, 0.0, self._fade * bounded)
         self._errors_rad[:] = 0.0
-        self._counts = [0] * len(self._counts)
+        self._counts[:] = 0.0
         self._peak_load = 0.0
         return keep
 
+    def _worse(self, rms_rad: Float64) -> NDArray[np.bool_]:
+        """Where the error, (J,), has grown since the last repetition that went well; slows down there."""
+        worse = (rms_rad > WORSE * self._last_rad) & (rms_rad > self._last_rad + WORSE_RAD)
+        self._rate = np.where(worse, SLOWER * self._rate, self._rate)
+        self._last_rad = np.where(worse, self._last_rad, rms_rad)
+        return worse
+
     def _mean_error(self) -> Float64:
         """Mean error of each bin, (bins, J); bins that no tick met are interpolated."""
-        counts = np.array(self._counts, dtype=np.float64)
+        counts = self._counts
         seen = np.flatnonzero(counts)
         mean = self._errors_rad[seen] / counts[seen, None]
         places = np.arange(counts.size, dtype=np.float64)

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from robot_iface.errors import Refused
-from robot_iface.types import Mode
+from robot_iface.types import MODES, Mode
 
-BUILT_MODES: tuple[Mode, ...] = ("passive", "assistive")
+BUILT_MODES: tuple[Mode, ...] = MODES
 
 
 def require_mode(mode: Mode) -> None:
     """Pass if a mode can be run.
 
     Raises:
-        Refused: If it is not built yet.
+        Refused: If there is no such mode.
     """
     if mode not in BUILT_MODES:
-        bound = " or ".join(BUILT_MODES) + " in this version"
+        bound = "one of " + ", ".join(BUILT_MODES)
         raise Refused("therapy mode", mode, bound, "prescribe one of these modes")

@@ -7,14 +7,31 @@ from enum import IntEnum
 
 import numpy as np
 
+from robot_iface.compiled import compiled
 from robot_iface.types import Float64
 
 SETTLE_S = 1.0
-CUTOFF_HZ = 2.0
-START_RAD = float(np.deg2rad(1.0))
-START_RAD_S = float(np.deg2rad(1.0))
-DWELL_S = 0.2
+BASELINE_S = 0.6
+"""The baseline is the farthest that the hand went in the cued direction over the last part of settling."""
 EARLIEST_S, LATEST_S = 0.3, 5.0
+START_RAD = float(np.deg2rad(0.5))
+DWELL_S = 0.3
+"""For so long the hand must go on: longer than a spasm that is not to count (0.2 s)."""
+FALL_SHARE = 0.15
+"""A rise that falls back by this share of its height was no start; the dwell begins anew."""
+FALL_RAD = float(np.deg2rad(0.15))
+START_RAD_S = float(np.deg2rad(3.0))
+"""Mean speed over the dwell: above what a drift of tone does (0.02 Nm in 6 s: 1.5 deg/s)."""
+SWING_SHARE = 0.25
+"""This much of the rise must be older than a third of the dwell: a stiff hand that a spasm the other way lets
+go of swings beyond its rest, but all at once."""
+TAKES_PART_SHARE = 0.25
+"""A joint takes part if it has risen by this share of the mean rise ..."""
+TOGETHER_SHARE = 1.0 / 3.0
+"""... and so many joints, by weight, must take part: a spasm of one finger is not the hand's start."""
+SMOOTH_HZ = 25.0
+# what the compiled step keeps: ticks, displacement, baseline; of the present rise its low point, peak and age
+_TICKS, _MOVED, _BASE, _LOW, _PEAK, _DWELL = range(6)
 
 
 class Start(IntEnum):
@@ -27,12 +44,14 @@ class Start(IntEnum):
 
 
 class StartTrigger:
-    """Fires on 1 deg at 1 deg/s for 200 ms in the cued direction, 0.3-5 s after the cue.
+    """Fires when the hand goes on in the cued direction and keeps what it has gained.
 
-    The signal is the weighted mean displacement of the exercise's joints along the cued direction, through
-    a second-order 2 Hz Butterworth low-pass, against a baseline taken while the hand settles for 1 s. By
-    kinematics alone a slow spasm or a drift of tone looks the same as intention: the false-start rate is
-    reported, not denied.
+    The signal is the weighted mean displacement of the exercise's own joints along the cued direction. From
+    its low point it must rise for 0.3 s without falling back by 15 % of its height, at 3 deg/s or more, to
+    beyond any point that it reached in the 0.6 s before the cue; a third of the joints (by weight) must take
+    part; all of it 0.3 to 5 s after the cue. A tremor or clonus falls back every half period, a short spasm
+    when it ends, and a hand that springs back from a spasm the other way ends where it was: none is a start.
+    By kinematics alone a longer spasm looks the same as intention: ``docs/trigger.md`` shows which.
 
     Args:
         direction: Cued direction in joint space, (J,): only signs and proportions count; 0 for joints of
@@ -44,19 +63,27 @@ class StartTrigger:
 
     def __init__(self, direction: Float64, period_s: float, cue_timeout_s: float) -> None:
         total = float(np.abs(direction).sum())
-        self._weights: Float64 = direction / total if total > 0.0 else np.zeros(direction.shape)
-        self._period_s = period_s
-        self._filter = _LowPass(CUTOFF_HZ, period_s)
-        self._timeout_s = cue_timeout_s
+        joints = direction.size
+        self._weights: Float64 = np.array(direction / total if total > 0.0 else np.zeros(joints))
+        self._posts: Float64 = np.zeros((2, joints))
+        self._past: Float64 = np.zeros(max(round(DWELL_S / period_s), 1))
+        self._kept: Float64 = np.zeros(6)
+        settle = round(SETTLE_S / period_s)
+        self._times = (
+            settle - round(BASELINE_S / period_s),
+            settle,
+            settle + round(EARLIEST_S / period_s),
+            settle + round(LATEST_S / period_s),
+            settle + math.ceil(cue_timeout_s / period_s - 1e-9),
+        )
+        self._keep = math.exp(-2.0 * math.pi * SMOOTH_HZ * period_s)
+        self.rearm()
+        self.update(np.zeros(joints))  # compiles it
         self.rearm()
 
     def rearm(self) -> None:
         """Begin anew: settle, then cue."""
-        self._tick = 0
-        self._settle_ticks = round(SETTLE_S / self._period_s)
-        self._dwell_s = 0.0
-        self._baseline_rad = 0.0
-        self._last_rad = 0.0
+        self._kept[:] = 0.0
         self._state = Start.SETTLING
 
     @property
@@ -64,57 +91,95 @@ class StartTrigger:
         """Present state; PATIENT and ROBOT are final until ``rearm``."""
         return self._state
 
+    def arrays(
+        self,
+    ) -> tuple[Float64, Float64, Float64, Float64, tuple[int, int, int, int, int], float]:
+        """What ``judge`` works on, for a simulation that is compiled as a whole."""
+        return self._weights, self._posts, self._past, self._kept, self._times, self._keep
+
     def update(self, q_rad: Float64) -> Start:
         """Take one tick of measured angles, (J,), and say where the start stands."""
-        if self._state >= Start.PATIENT:
-            return self._state
-        raw = float(self._weights @ q_rad)
-        if self._tick == 0:
-            self._filter.settle_at(raw)
-            self._last_rad = raw
-        here = self._filter.step(raw)
-        speed = (here - self._last_rad) / self._period_s
-        self._last_rad = here
-        self._tick += 1
-        if self._tick <= self._settle_ticks:
-            self._baseline_rad = here
-            if self._tick == self._settle_ticks:
-                self._state = Start.CUED
-            return self._state
-        self._state = self._judge(here - self._baseline_rad, speed)
+        if self._state < Start.PATIENT:
+            now = judge(q_rad, *self.arrays())
+            if now != self._state:
+                self._state = Start(now)
         return self._state
 
-    def _judge(self, moved_rad: float, speed_rad_s: float) -> Start:
-        """Decide on one tick after the cue."""
-        since_cue_s = (self._tick - self._settle_ticks) * self._period_s
-        counts = EARLIEST_S <= since_cue_s <= LATEST_S
-        if counts and moved_rad > START_RAD and speed_rad_s > START_RAD_S:
-            self._dwell_s += self._period_s
-        else:
-            self._dwell_s = 0.0
-        if self._dwell_s >= DWELL_S - 1e-9:
-            return Start.PATIENT
-        return Start.ROBOT if since_cue_s >= self._timeout_s else Start.CUED
+
+@compiled
+def judge(
+    q_rad: Float64,
+    weights: Float64,
+    posts: Float64,
+    past: Float64,
+    kept: Float64,
+    times: tuple[int, int, int, int, int],
+    keep: float,
+) -> int:
+    """One tick of ``StartTrigger``.
+
+    Args:
+        q_rad: Measured angles, (J,).
+        weights: Cued direction, absolute sum 1, (J,).
+        posts: Angles at the begin of the baseline, from which displacement is measured, and at the last low
+            point, (2, J); updated.
+        past: Ring of displacements over the dwell; updated.
+        kept: See the names above, (6,); updated.
+        times: Ticks at which the baseline begins, settling ends, counting begins, counting ends, and the
+            robot helps.
+        keep: Share kept by the smoothing.
+
+    Returns:
+        A ``Start``.
+    """
+    baseline, settle, earliest, latest, timeout = times
+    kept[_TICKS] += 1.0
+    tick = int(kept[_TICKS])
+    if tick <= baseline:
+        posts[0] = q_rad
+        kept[_MOVED] = kept[_BASE] = 0.0
+        return 0
+    raw = 0.0
+    for joint in range(weights.size):
+        raw += weights[joint] * (q_rad[joint] - posts[0, joint])
+    kept[_MOVED] = moved = keep * kept[_MOVED] + (1.0 - keep) * raw
+    place = tick % past.size
+    before, past[place] = past[place], moved
+    if tick <= settle:
+        kept[_BASE] = max(kept[_BASE], moved)
+    if tick < earliest or tick > latest or moved < kept[_LOW]:
+        kept[_LOW] = kept[_PEAK] = moved
+        kept[_DWELL] = 0.0
+        posts[1] = q_rad
+    elif _rises(moved, kept) >= past.size and moved > kept[_BASE] + START_RAD:
+        rise, recent = moved - kept[_LOW], past[(tick - past.size // 3) % past.size]
+        gained = moved - before >= START_RAD_S * DWELL_S and recent - kept[_LOW] >= SWING_SHARE * rise
+        if gained and _together(q_rad, weights, posts[1], rise):
+            return 2
+    if tick < settle:
+        return 0
+    return 3 if tick >= timeout else 1
 
 
-class _LowPass:
-    """Second-order Butterworth low-pass by the bilinear transform, one scalar at a time."""
+@compiled
+def _rises(moved_rad: float, kept: Float64) -> int:
+    """Ticks for which the hand has kept what it gained since its low point; a fall begins them anew."""
+    low, peak = kept[_LOW], max(kept[_PEAK], moved_rad)
+    kept[_PEAK] = peak
+    if peak - moved_rad > max(FALL_SHARE * (peak - low), FALL_RAD):
+        kept[_PEAK] = moved_rad
+        kept[_DWELL] = 0.0
+    elif kept[_DWELL] > 0.0 or moved_rad - low > FALL_RAD:
+        kept[_DWELL] += 1.0
+    return int(kept[_DWELL])
 
-    def __init__(self, cutoff_hz: float, period_s: float) -> None:
-        w = math.tan(math.pi * cutoff_hz * period_s)
-        scale = 1.0 / (1.0 + math.sqrt(2.0) * w + w * w)
-        self._b = w * w * scale
-        self._a1 = 2.0 * (w * w - 1.0) * scale
-        self._a2 = (1.0 - math.sqrt(2.0) * w + w * w) * scale
-        self.settle_at(0.0)
 
-    def settle_at(self, value: float) -> None:
-        """Start as if the input had always been ``value``."""
-        self._x1 = self._x2 = self._y1 = self._y2 = value
-
-    def step(self, x: float) -> float:
-        """Filter one sample."""
-        y = self._b * (x + 2.0 * self._x1 + self._x2) - self._a1 * self._y1 - self._a2 * self._y2
-        self._x2, self._x1 = self._x1, x
-        self._y2, self._y1 = self._y1, y
-        return y
+@compiled
+def _together(q_rad: Float64, weights: Float64, low_rad: Float64, rise_rad: float) -> bool:
+    """Whether enough joints, by weight, rise in their cued direction."""
+    part = 0.0
+    for joint in range(weights.size):
+        way = 1.0 if weights[joint] > 0.0 else -1.0
+        if way * (q_rad[joint] - low_rad[joint]) > TAKES_PART_SHARE * rise_rad:
+            part += abs(weights[joint])
+    return part >= TOGETHER_SHARE

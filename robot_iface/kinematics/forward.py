@@ -19,6 +19,15 @@ from robot_iface.types import Float64
 _DIGIT = np.array([0] * 5 + [finger for finger in (1, 2, 3, 4) for _ in range(4)])
 _SLOT = np.array([0, 1, 2, 3, 4] + [0, 1, 2, 4] * 4)
 _BONE = np.array([0, 0, 1, 1, 2])  # the bone that each slot is the first to move
+# Every landmark that a joint moves: the joint, the landmark, and the landmark at the joint itself.
+_MOVES = np.array(
+    [
+        (joint, 4 * digit + point, 4 * digit + _BONE[slot])
+        for joint, (digit, slot) in enumerate(zip(_DIGIT, _SLOT, strict=True))
+        for point in range(_BONE[slot] + 1, 4)
+    ]
+)
+_MOVER, _MOVED, _PIVOT = _MOVES.T
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,19 +51,7 @@ def forward(geometry: HandGeometry, joints_rad: Float64) -> HandFrames:
         geometry: The hand.
         joints_rad: Joint angles in the order of JOINTS, shape (..., 21).
     """
-    angles = _slots(joints_rad)
-    first = geometry.base_rotation @ _abduct_flex(angles[..., 1], angles[..., 0])
-    second = first @ _abduct_flex(angles[..., 3], angles[..., 2])
-    third = second @ _abduct_flex(np.zeros_like(angles[..., 4]), angles[..., 4])
-    rotations = np.stack([first, second, third], axis=-3)
-    steps = rotations[..., :, 2] * geometry.bones_m[:, :, None]
-    points = np.empty((*angles.shape[:-1], 4, 3))
-    points[..., 0, :] = geometry.bases_m
-    points[..., 1:, :] = geometry.bases_m[:, None, :] + np.cumsum(steps, axis=-2)
-    lead = joints_rad.shape[:-1]
-    landmarks = np.empty((*lead, 25, 3))
-    landmarks[..., :20, :] = points.reshape(*lead, 20, 3)
-    landmarks[..., 20:, :] = geometry.palm_m
+    landmarks, rotations = _right_frames(geometry, _slots(joints_rad))
     return HandFrames(landmarks * geometry.mirror, rotations * geometry.mirror[:, None])
 
 
@@ -68,19 +65,32 @@ def jacobian(geometry: HandGeometry, joints_rad: Float64) -> Float64:
     Returns:
         d landmarks_m / d joints_rad, shape (..., 25, 3, 21), m/rad.
     """
-    right = HandGeometry("right", geometry.bases_m, geometry.base_rotation, geometry.bones_m, geometry.palm_m)
-    frames = forward(right, joints_rad)
-    lead = joints_rad.shape[:-1]
-    points = frames.landmarks_m[..., :20, :].reshape(*lead, 5, 4, 3)
-    axes = _slot_axes(geometry, frames.rotations, _slots(joints_rad))
-    result = np.zeros((*lead, 25, 3, 21))
-    for joint in range(21):
-        digit, slot = _DIGIT[joint], _SLOT[joint]
-        bone = _BONE[slot]
-        arms = points[..., digit, bone + 1 :, :] - points[..., digit, bone : bone + 1, :]
-        moved = slice(4 * digit + bone + 1, 4 * digit + 4)
-        result[..., moved, :, joint] = np.cross(axes[..., digit, None, slot, :], arms)
-    return result * geometry.mirror[:, None]
+    slots = _slots(joints_rad)
+    points, rotations = _right_frames(geometry, slots)
+    axes = _slot_axes(geometry, rotations, slots)[..., _DIGIT[_MOVER], _SLOT[_MOVER], :]
+    arms = points[..., _MOVED, :] - points[..., _PIVOT, :]
+    result = np.zeros((*joints_rad.shape[:-1], 25, 3, 21))
+    for component, (one, two) in enumerate(((1, 2), (2, 0), (0, 1))):
+        moment = axes[..., one] * arms[..., two] - axes[..., two] * arms[..., one]
+        result[..., _MOVED, component, _MOVER] = moment * geometry.mirror[component]
+    return result
+
+
+def _right_frames(geometry: HandGeometry, slots: Float64) -> tuple[Float64, Float64]:
+    """Landmarks, (..., 25, 3), and bone axes, (..., 5, 3, 3, 3), of the hand's right-hand form."""
+    first = geometry.base_rotation @ _abduct_flex(slots[..., 1], slots[..., 0])
+    second = first @ _abduct_flex(slots[..., 3], slots[..., 2])
+    third = second @ _flex(slots[..., 4])
+    rotations = np.stack([first, second, third], axis=-3)
+    steps = rotations[..., :, 2] * geometry.bones_m[:, :, None]
+    points = np.empty((*slots.shape[:-1], 4, 3))
+    points[..., 0, :] = geometry.bases_m
+    points[..., 1:, :] = geometry.bases_m[:, None, :] + np.cumsum(steps, axis=-2)
+    lead = slots.shape[:-2]
+    landmarks = np.empty((*lead, 25, 3))
+    landmarks[..., :20, :] = points.reshape(*lead, 20, 3)
+    landmarks[..., 20:, :] = geometry.palm_m
+    return landmarks, rotations
 
 
 def _slots(joints_rad: Float64) -> Float64:
@@ -92,11 +102,24 @@ def _slots(joints_rad: Float64) -> Float64:
 
 def _abduct_flex(abduction_rad: Float64, flexion_rad: Float64) -> Float64:
     """Rx(-abduction) Ry(flexion), shape (..., 3, 3)."""
+    turn = _flex(flexion_rad)
     ca, sa = np.cos(abduction_rad), np.sin(abduction_rad)
-    cf, sf = np.cos(flexion_rad), np.sin(flexion_rad)
-    zero = np.zeros_like(ca)
-    rows = [cf, zero, sf, -sa * sf, ca, sa * cf, -ca * sf, -sa, ca * cf]
-    return np.stack(rows, axis=-1).reshape(*ca.shape, 3, 3)
+    along = turn[..., 2, :].copy()
+    turn[..., 1, :] = sa[..., None] * along
+    turn[..., 2, :] = ca[..., None] * along
+    turn[..., 1, 1], turn[..., 2, 1] = ca, -sa
+    return turn
+
+
+def _flex(flexion_rad: Float64) -> Float64:
+    """Ry(flexion), shape (..., 3, 3)."""
+    cos, sin = np.cos(flexion_rad), np.sin(flexion_rad)
+    turn = np.zeros((*flexion_rad.shape, 3, 3))
+    turn[..., 0, 0] = turn[..., 2, 2] = cos
+    turn[..., 0, 2] = sin
+    turn[..., 2, 0] = -sin
+    turn[..., 1, 1] = 1.0
+    return turn
 
 
 def _slot_axes(geometry: HandGeometry, rotations: Float64, slots: Float64) -> Float64:

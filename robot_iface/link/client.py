@@ -18,7 +18,8 @@ from robot_iface.link.codec import decode, encode
 from robot_iface.link.messages import Cleared, Ready, Refusal, Rehearse, Start, Started
 from robot_iface.link.page import SharedPage
 from robot_iface.link.wire import Wire, WireClosed
-from robot_iface.runtime import LiveSample, Message, Order, Pain, Pause, Reset, Resume, SetSpeed
+from robot_iface.runtime import LiveSample, Message, Order
+from robot_iface.runtime.orders import Advance, Pain, Pause, Reset, Resume, Reverse, SetSpeed
 from robot_iface.types import Certificate, PhaseChange, Plan, RunEnd, SafetyEvent, TickBlock
 
 _START_TIMEOUT_S = 60.0
@@ -146,6 +147,14 @@ class MotionClient:
     def resume(self) -> None:
         """Go on; after a hold and ``reset``, this is the new enable."""
         self._order(Resume())
+
+    def reverse(self) -> None:
+        """Go back along the path, to its start at most; ``resume`` goes on again."""
+        self._order(Reverse())
+
+    def advance(self) -> None:
+        """Go on to the next repetition or posture."""
+        self._order(Advance())
 
     def set_speed(self, speed: float) -> None:
         """Play at this fraction of the therapist's speed, never above the prescribed one.

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
-from robot_iface.runtime import Pain, Pause, Reset, Resume, SetSpeed
+from robot_iface.runtime import Order
 from robot_iface.types import Certificate, PhaseChange, Plan, RunEnd, SafetyEvent, TickBlock
 
 
@@ -49,11 +49,13 @@ class Ready:
     """The motion process is up."""
 
 
+ORDERS: tuple[type[Any], ...] = get_args(Order)
+"""What a person may order while a run goes on."""
 MESSAGES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
         *(Rehearse, Start, Started, Cleared, Refusal, Ready),
-        *(Pause, Resume, SetSpeed, Pain, Reset),
+        *ORDERS,
         *(Certificate, PhaseChange, SafetyEvent, TickBlock, RunEnd),
     )
 }

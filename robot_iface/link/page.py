@@ -23,7 +23,8 @@ _READ_TRIES = 1000
 
 _STOP, _PRESSED_NS, _BEAT_NS, _OPERATOR_NS, _LATCHED_NS, _SEQUENCE = range(6)
 _TELEMETRY_OFFSET = 64
-_HEAD = struct.Struct("<qddqqqqq")  # t, path_s, path_speed, repetition, phase, starter, state, joints
+_HEAD = struct.Struct("<qddqqqqqqq")
+"""t, path_s, path_speed, repetition, phase, starter, state, joints, lateness, overruns."""
 
 
 class SharedPage:
@@ -99,7 +100,7 @@ class SharedPage:
         head = _HEAD.pack(
             *(sample.t_ns, sample.path_s, sample.path_speed, sample.repetition),
             *(PHASES.index(sample.phase), STARTERS.index(sample.started_by), int(sample.safety_state)),
-            sample.q_rad.size,
+            *(sample.q_rad.size, sample.late_p99_ns, sample.overruns),
         )
         rows = (sample.q_rad, sample.q_reference_rad, sample.tau_interaction_nm, sample.stiffness_multiple)
         body = np.concatenate(rows).tobytes()
@@ -120,7 +121,8 @@ class SharedPage:
         return self._sample(self._newest)
 
     def _sample(self, content: bytes) -> LiveSample:
-        t_ns, path_s, path_speed, repetition, phase, starter, state, joints = _HEAD.unpack_from(content)
+        head = _HEAD.unpack_from(content)
+        t_ns, path_s, path_speed, repetition, phase, starter, state, joints, late_p99_ns, overruns = head
         rows = np.frombuffer(content, np.float64, 4 * joints, _HEAD.size).reshape(4, joints)
         return LiveSample(
             t_ns=t_ns,
@@ -135,6 +137,8 @@ class SharedPage:
             safety_state=SafetyState(state),
             stiffness_multiple=rows[3],
             stop_latched_t_ns=self.latched_t_ns,
+            late_p99_ns=late_p99_ns,
+            overruns=overruns,
         )
 
     def close(self) -> None:

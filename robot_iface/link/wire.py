@@ -12,7 +12,7 @@ from robot_iface.errors import Refused
 from robot_iface.link.codec import MAX_MESSAGE_BYTES
 
 _LENGTH = struct.Struct("<I")
-_CHUNK_BYTES = 256 * 1024
+_CHUNK_BYTES = 64 * 1024
 
 
 class WireClosed(Exception):
@@ -86,16 +86,18 @@ class Wire:
             if rest:
                 self._unsent.appendleft(rest)
 
-    def receive(self, timeout_s: float | None = 0.0) -> bytes | None:
+    def receive(self, timeout_s: float | None = 0.0, at_most_bytes: int = MAX_MESSAGE_BYTES) -> bytes | None:
         """The next message, or None if none came within ``timeout_s`` (None waits for ever).
+
+        No more than ``at_most_bytes`` and one chunk are ever kept, whatever the other side sends.
 
         Raises:
             WireClosed: The other process is gone.
-            Refused: A message announces more than MAX_MESSAGE_BYTES.
+            Refused: A message announces more than ``at_most_bytes``; nothing after it can be read any more.
         """
         deadline = None if timeout_s is None else time.monotonic() + timeout_s
         while True:
-            content = self._next()
+            content = self._next(at_most_bytes)
             if content is not None:
                 return content
             left_ms = None if deadline is None else max(0.0, 1000.0 * (deadline - time.monotonic()))
@@ -107,15 +109,15 @@ class Wire:
         """Close this end."""
         self._end.close()
 
-    def _next(self) -> bytes | None:
+    def _next(self, at_most_bytes: int) -> bytes | None:
         if len(self._received) < _LENGTH.size:
             return None
         (length,) = _LENGTH.unpack_from(self._received)
-        if length > MAX_MESSAGE_BYTES:
+        if length > at_most_bytes:
             raise Refused(
                 "link message",
                 f"{length} bytes",
-                f"at most {MAX_MESSAGE_BYTES} bytes",
+                f"at most {at_most_bytes} bytes",
                 "restart the app so that both processes run the same version",
             )
         end = _LENGTH.size + length

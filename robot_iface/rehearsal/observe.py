@@ -9,7 +9,7 @@ import numpy as np
 from robot_iface.runtime import Message
 from robot_iface.types import Float64, PhaseChange, RunEnd, SafetyEvent, SafetyState, TickBlock
 
-_ANGULAR = {"range": "°", "sensors-differ": "°", "speed-trip": "°/s"}
+_ANGULAR = {"range": "°", "hull": "°", "fit-drift": "°", "sensors-differ": "°", "speed-trip": "°/s"}
 
 
 class Observer:

@@ -4,6 +4,7 @@ from robot_iface.runtime.cycle import Cycle, perform, run
 from robot_iface.runtime.exercise import Exercise
 from robot_iface.runtime.live import PHASES, STARTERS, LiveSample, Monitor, Unwatched
 from robot_iface.runtime.orders import (
+    Advance,
     Inbox,
     Order,
     Pain,
@@ -12,17 +13,18 @@ from robot_iface.runtime.orders import (
     PresentPatient,
     Reset,
     Resume,
+    Reverse,
     ScriptedInbox,
     SetSpeed,
 )
 from robot_iface.runtime.record import Message, Recorder, Sink
 from robot_iface.runtime.rig import LoopClock, Rig, Surroundings
 from robot_iface.runtime.seal import canonical_bytes, check_certificate, plan_parts, seal
-from robot_iface.runtime.transfer import Transfer
 
 __all__ = [
     "PHASES",
     "STARTERS",
+    "Advance",
     "Cycle",
     "Exercise",
     "Inbox",
@@ -38,12 +40,12 @@ __all__ = [
     "Recorder",
     "Reset",
     "Resume",
+    "Reverse",
     "Rig",
     "ScriptedInbox",
     "SetSpeed",
     "Sink",
     "Surroundings",
-    "Transfer",
     "Unwatched",
     "canonical_bytes",
     "check_certificate",

@@ -2,32 +2,24 @@
 
 from __future__ import annotations
 
-from robot_iface.control import ImpedanceLaw, thesis_gains
+import time
+
+from robot_iface.control import make_law
 from robot_iface.errors import Refused
-from robot_iface.runtime.exercise import Exercise
-from robot_iface.runtime.live import LiveSample
-from robot_iface.runtime.orders import Order, Pain, Pause, Reset, Resume, SetSpeed
-from robot_iface.runtime.record import Recorder
+from robot_iface.runtime.choice import make_task
+from robot_iface.runtime.orders import Advance, Order, Pain, Pause, Reset, Resume, Reverse, SetSpeed
 from robot_iface.runtime.rig import Rig, ScheduledStop, Surroundings
+from robot_iface.runtime.scribe import Scribe
 from robot_iface.runtime.seal import check_certificate
-from robot_iface.safety import Outcome, Supervisor, Watch, brake_and_close
-from robot_iface.types import (
-    Certificate,
-    DeviceCommand,
-    DeviceState,
-    Float64,
-    PhaseChange,
-    Plan,
-    RunEnd,
-    SafetyEvent,
-    SafetyState,
-)
+from robot_iface.safety import Outcome, Supervisor, Watch, admit_limits, brake_and_close
+from robot_iface.types import Certificate, DeviceState, Plan, RunEnd, SafetyEvent, SafetyState
 
 ORDERS_EVERY_TICKS = 5
-LIVE_EVERY_TICKS = 10
-PHASE_EVERY_TICKS = 100
 UNATTENDED_HOLD_S = 60.0
 """A hold or pause that nobody ends is braked and powered off after this time."""
+COMPLETE = ("repetitions", "minutes", "sweep")
+"""Reasons for which a run ends as it was ordered."""
+_CALM = Watch()
 _RUNNING = (SafetyState.RAMP_IN, SafetyState.ACTIVE)
 _HELD = (SafetyState.HOLD, SafetyState.COMPLIANT, SafetyState.READY)
 _STOPPED = (SafetyState.CAT1, SafetyState.CAT0)
@@ -47,7 +39,8 @@ def perform(plan: Plan, rig: Rig, around: Surroundings) -> RunEnd:
     """Run a plan without asking for its certificate: only a rehearsal may, and only on a simulation.
 
     Raises:
-        Refused: The stop is pressed, or the device does not fit the plan. Nothing has moved.
+        Refused: The stop is pressed, the device does not fit the plan, or the limits do not hold today.
+            Nothing has moved.
     """
     if around.stop.pressed():
         raise Refused("the stop", "pressed", "clear", "look at the patient, reset the stop and start again")
@@ -57,6 +50,7 @@ def perform(plan: Plan, rig: Rig, around: Surroundings) -> RunEnd:
         raise Refused(
             "reference path joints", given, ", ".join(names), "rebuild the reference for this device"
         )
+    admit_limits(plan.limits, rig.robot.capabilities, plan.wrist_rad, time.time_ns())
     cycle = Cycle(plan, rig, around)
     around.begun()
     try:
@@ -78,24 +72,24 @@ class Cycle:
     """
 
     def __init__(self, plan: Plan, rig: Rig, around: Surroundings) -> None:
-        period_ns = rig.robot.capabilities.period_ns
+        capabilities = rig.robot.capabilities
         self._plan, self._clock, self._around = plan, rig.clock, around
-        self._period_s = period_ns * 1e-9
+        self._period_s = capabilities.period_ns * 1e-9
         stop = ScheduledStop(around.stop, rig.clock, plan.stop_at_s)
         self._supervisor = Supervisor(
-            rig.robot, plan.limits, stop, period_ns, ramp_s=plan.prescription.ramp_s
+            rig.robot, plan.limits, stop, capabilities.period_ns, ramp_s=plan.prescription.ramp_s
         )
-        self._exercise = Exercise(plan, rig.patient, self._period_s)
-        self._law = ImpedanceLaw(thesis_gains(plan.joint_names), plan.limits)
-        self._recorder = Recorder(around.sink, len(plan.joint_names))
-        self._ticks = 0
+        self._task = make_task(plan, rig.patient, self._period_s)
+        self._law = make_law(plan, capabilities)
+        self._scribe = Scribe(around, self._task, len(plan.joint_names))
+        self._ticks = self._waiting_ticks = 0
         self._t0_ns = self._t_ns = rig.clock.now_ns()
         self._load_share = 0.0
-        self._pain = False
-        self._waiting_ticks = 0
+        self._pain = self._reversing = False
         self._state = SafetyState.OFF
-        self._goal = self._exercise.resting_goal()
-        self._said: tuple[str, int, str] = ("", -2, "")
+        self._goal = self._task.resting_goal()
+        self._stopped_by = ""
+        self._reversals = 0
 
     def open(self) -> None:
         """Open the device and give the first enable: starting the run is the person's act."""
@@ -108,21 +102,19 @@ class Cycle:
         state = self._wait_and_read()
         if self._ticks % ORDERS_EVERY_TICKS == 0:
             self._take_orders(state)
-        exercise, supervisor = self._exercise, self._supervisor
-        active = supervisor.state == SafetyState.ACTIVE
-        if supervisor.state not in _STOPPED:
-            self._goal = exercise.step(state, self._load_share, active)
-        goal = self._goal
-        request = self._law.command(state, goal, supervisor.ramp, self._ticks)
+        task, supervisor = self._task, self._supervisor
+        if supervisor.state not in _STOPPED and not self._reversing:
+            self._goal = task.step(state, self._load_share, supervisor.state == SafetyState.ACTIVE)
+        request = self._law.command(state, self._goal, supervisor.ramp, self._ticks)
         outcome = supervisor.write(request, self._watch())
         self._load_share = outcome.load_share
-        self._record(state, request, outcome)
-        self._follow(outcome)
+        self._scribe.write(self._t_ns, state, request, outcome)
+        self._follow(outcome, state)
         return self._goes_on(outcome)
 
     def _goes_on(self, outcome: Outcome) -> bool:
-        """Whether the run needs another tick: it ends once exercise or stop have braked the hand."""
-        if not (self._exercise.done or outcome.safety_state in _STOPPED):
+        """Whether the run needs another tick: it ends once task or stop have braked the hand."""
+        if not (self._task.done or outcome.safety_state in _STOPPED):
             return True
         return outcome.powered
 
@@ -132,14 +124,19 @@ class Cycle:
 
     def end(self) -> RunEnd:
         """Send and return how the run ended."""
-        clock = self._clock
+        clock, task = self._clock, self._task
+        ended = task.done and self._state not in _STOPPED
         finished = RunEnd(
             simulated_s=(self._t_ns - self._t0_ns) * 1e-9,
-            completed=self._exercise.done and self._state not in _STOPPED,
+            completed=ended and task.reason in COMPLETE,
             state=self._state,
             late_p99_ns=clock.late_ns(99.0),
             overruns=clock.overruns,
-            digest=self._recorder.end(),
+            digest=self._scribe.end(),
+            reason=task.reason if ended else self._stopped_by,
+            reversals=self._reversals,
+            assistance=task.assistance,
+            scheduling=clock.scheduling,
         )
         self._around.sink(finished)
         return finished
@@ -155,10 +152,10 @@ class Cycle:
         return self._clock.now_ns()
 
     def _enable(self, state: DeviceState) -> None:
-        """The enable edge: from here the hand is led to the path."""
+        """The enable edge: from here the hand is led to where the task wants it."""
         self._supervisor.enable_edge()
-        self._exercise.begin(state.q_rad)
-        self._exercise.resume()
+        self._task.begin(state.q_rad)
+        self._task.resume()
 
     def _take_orders(self, state: DeviceState) -> None:
         order = self._around.inbox.take(self._t_ns - self._t0_ns)
@@ -171,16 +168,20 @@ class Cycle:
 
     def _obey(self, order: Order, state: DeviceState) -> None:
         """Do what a person orders."""
-        now = self._supervisor.state
+        now, task = self._supervisor.state, self._task
         match order:
             case Pause():
-                self._exercise.pause()
-            case Resume() if now == SafetyState.READY and not self._exercise.done:
+                task.pause()
+            case Resume() if now == SafetyState.READY and not task.done:
                 self._enable(state)
             case Resume() if now in _RUNNING:
-                self._exercise.resume()
+                task.resume()
+            case Reverse() if now in _RUNNING:
+                task.reverse()
+            case Advance() if now in _RUNNING:
+                task.advance()
             case SetSpeed():
-                self._exercise.slow_down_to(order.speed)
+                task.slow_down_to(order.speed)
             case Pain():
                 self._pain = True
             case Reset() if now in (SafetyState.HOLD, SafetyState.COMPLIANT):
@@ -193,77 +194,62 @@ class Cycle:
 
     def _watch(self) -> Watch:
         """What the loop knows about everything but the device."""
-        realtime, monitor, exercise = self._plan.realtime, self._around.monitor, self._exercise
-        pain, self._pain = self._pain, False
+        task, realtime = self._task, self._plan.realtime
+        age_ns = task.repetition_age_ns if task.repetition >= 0 else 0
+        late = age_ns > task.repetition_timeout_ns
+        if not (realtime or late or self._pain or task.fault):
+            return _CALM
+        monitor, pain, self._pain = self._around.monitor, self._pain, False
         return Watch(
             heartbeat_age_ns=monitor.heartbeat_age_ns() if realtime else 0,
             operator_age_ns=monitor.operator_age_ns() if realtime else 0,
-            path_fault=bool(exercise.fault),
+            path_fault=bool(task.fault),
             overruns_in_row=self._clock.overruns_in_row,
-            repetition_age_ns=exercise.repetition_age_ns,
-            repetition_timeout_ns=exercise.repetition_timeout_ns if exercise.repetition >= 0 else 0,
+            repetition_age_ns=age_ns,
+            repetition_timeout_ns=task.repetition_timeout_ns,
             pain=pain,
         )
 
-    def _follow(self, outcome: Outcome) -> None:
-        """Let the exercise follow what the supervisor decided, and end what nobody attends to."""
-        exercise, state = self._exercise, outcome.safety_state
-        self._state = state
-        if outcome.events and state in (*_HELD, *_STOPPED):
-            exercise.trouble()
-            exercise.pause()
-            if state in _STOPPED:
-                self._around.monitor.latched()
-        if exercise.done and state in _RUNNING:
-            self._supervisor.finish()
-        waiting = exercise.paused or state in _HELD
-        self._waiting_ticks = self._waiting_ticks + 1 if waiting else 0
+    def _follow(self, outcome: Outcome, state: DeviceState) -> None:
+        """Let the task follow what the supervisor decided, and end what nobody attends to."""
+        task, supervisor, now = self._task, self._supervisor, outcome.safety_state
+        self._state = now
+        if outcome.events:
+            self._heed(outcome.events[-1])
+        self._go_back(outcome, state)
+        remark = task.take_remark()
+        if remark is not None and remark.holds:
+            supervisor.request_hold(remark.cause, remark.joint, remark.value, remark.bound)
+        elif remark is not None:
+            self._note(remark.cause, remark.joint, remark.value, remark.bound)
+        if now in _RUNNING and task.done:
+            supervisor.finish()
+        elif now in _RUNNING and task.reason:
+            supervisor.request_stop(task.reason)
+        self._waiting_ticks = self._waiting_ticks + 1 if task.paused or now in _HELD else 0
         if self._waiting_ticks * self._period_s > UNATTENDED_HOLD_S:
-            self._supervisor.request_stop("unattended")
+            supervisor.request_stop("unattended")
 
-    def _record(self, state: DeviceState, request: DeviceCommand, outcome: Outcome) -> None:
-        """Tell the recorder, and now and then the live page, what this tick was."""
-        exercise, recorder = self._exercise, self._recorder
-        stopped = outcome.safety_state in _STOPPED
-        path = exercise.path_state
-        speed = 0.0 if stopped else path.s_dot
-        for event in outcome.events:
-            recorder.say(event)
-        said = ("stopped" if stopped else exercise.phase, exercise.repetition, exercise.started_by)
-        if said != self._said or self._ticks % PHASE_EVERY_TICKS == 0:
-            self._said = said
-            recorder.say(
-                PhaseChange(self._t_ns, said[1], said[0], said[2], path.s, speed, exercise.stiffness_multiple)
-            )
-        reference = exercise.reference_rad
-        rows = (
-            *(state.q_rad, state.dq_rad_s, state.tau_nm, state.tau_interaction_nm, reference),
-            *(request.q_rad, request.dq_rad_s, request.stiffness_nm_rad, request.damping_nms_rad),
-            *(request.tau_ff_nm, outcome.requested_tau_nm, outcome.applied_tau_nm),
-        )
-        recorder.tick(self._t_ns, path.s, speed, int(outcome.safety_state), rows)
-        if self._ticks % LIVE_EVERY_TICKS == 0 or outcome.events:
-            self._publish(state, outcome, reference, speed)
+    def _heed(self, event: SafetyEvent) -> None:
+        """A transition: what holds or stops the run is trouble for its task."""
+        if event.state not in (*_HELD, *_STOPPED):
+            return
+        self._task.trouble()
+        self._task.pause()
+        if event.state in _STOPPED:
+            self._stopped_by = event.cause
+            self._around.monitor.latched()
 
-    def _publish(self, state: DeviceState, outcome: Outcome, reference_rad: Float64, speed: float) -> None:
-        phase, repetition, starter = self._said
-        self._around.monitor.publish(
-            LiveSample(
-                t_ns=self._t_ns,
-                q_rad=state.q_rad,
-                q_reference_rad=reference_rad,
-                tau_interaction_nm=state.tau_interaction_nm,
-                path_s=self._exercise.path_state.s,
-                path_speed=speed,
-                repetition=repetition,
-                phase=phase,
-                started_by=starter,
-                safety_state=outcome.safety_state,
-                stiffness_multiple=self._exercise.stiffness_multiple,
-            )
-        )
+    def _go_back(self, outcome: Outcome, state: DeviceState) -> None:
+        """While the supervisor goes back on a load, the task waits; then it has the hand again, elsewhere."""
+        if outcome.reversing and not self._reversing:
+            self._reversals += 1
+        self._reversing = outcome.reversing
+        if outcome.reversed:
+            self._task.reversed_on_load(state.q_rad)
 
-    def _note(self, cause: str) -> None:
-        """Record a person's act that is no transition of the supervisor's own."""
-        nan = float("nan")
-        self._recorder.say(SafetyEvent(self._t_ns, cause, self._supervisor.state, "", nan, nan))
+    def _note(
+        self, cause: str, joint: str = "", value: float = float("nan"), bound: float = float("nan")
+    ) -> None:
+        """Record a person's act, or the task's, that is no transition of the supervisor's own."""
+        self._scribe.say(SafetyEvent(self._t_ns, cause, self._supervisor.state, joint, value, bound))

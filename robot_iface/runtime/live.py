@@ -7,7 +7,12 @@ from typing import Protocol
 
 from robot_iface.types import Float64, SafetyState
 
-PHASES: tuple[str, ...] = ("", "approach", "ramp", "cue", "move", "hold", "return", "rest", "stopped", "done")
+PHASES: tuple[str, ...] = (
+    *("", "approach", "ramp", "cue", "move", "hold", "return", "rest", "stopped", "done"),
+    *("open", "tabletop", "hook", "fist", "check"),
+    *("rest-proposed", "skin-check"),
+)
+"""The second line holds the parts of a guided sweep, the third the long rests of an exercise."""
 STARTERS: tuple[str, ...] = ("", "patient", "robot")
 
 
@@ -29,6 +34,8 @@ class LiveSample:
         stiffness_multiple: Stiffness as a multiple of the thesis gains.
         stop_latched_t_ns: Wall-clock monotonic time at which the loop acted on the stop word, 0 if it
             has not.
+        late_p99_ns: 99th percentile so far of how late the loop's ticks began, 0 in simulated time.
+        overruns: Ticks so far that missed their deadline.
     """
 
     t_ns: int
@@ -43,6 +50,8 @@ class LiveSample:
     safety_state: SafetyState
     stiffness_multiple: Float64
     stop_latched_t_ns: int = 0
+    late_p99_ns: int = 0
+    overruns: int = 0
 
 
 class Monitor(Protocol):

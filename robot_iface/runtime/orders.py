@@ -21,6 +21,16 @@ class Resume:
 
 
 @dataclass(frozen=True, slots=True)
+class Reverse:
+    """Go back along the path, to its start at most; ``Resume`` goes on again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Advance:
+    """Go on to what comes next: the next repetition or posture, or the robot's help."""
+
+
+@dataclass(frozen=True, slots=True)
 class SetSpeed:
     """Play the path at this fraction of the therapist's speed, 0.1 to the prescribed one.
 
@@ -45,7 +55,7 @@ class Reset:
     """A person who is present clears a latched hold."""
 
 
-Order: TypeAlias = Pause | Resume | SetSpeed | Pain | Reset
+Order: TypeAlias = Pause | Resume | Reverse | Advance | SetSpeed | Pain | Reset
 
 
 class Inbox(Protocol):

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from robot_iface.runtime.seal import canonical_bytes
-from robot_iface.types import PhaseChange, RunEnd, SafetyEvent, TickBlock
+from robot_iface.types import Float64, PhaseChange, RunEnd, SafetyEvent, TickBlock
 
 BLOCK_TICKS = 50
 Message: TypeAlias = PhaseChange | SafetyEvent | TickBlock
@@ -37,18 +37,24 @@ class Recorder:
     def __init__(self, sink: Sink, joints: int) -> None:
         self._sink = sink
         self._digest = hashlib.sha256()
-        self._scalars: list[tuple[int, float, float, int]] = []
-        self._rows = np.empty((len(_ROW_COLUMNS), BLOCK_TICKS, joints))
+        self._t_ns = np.empty(BLOCK_TICKS, dtype=np.int64)
+        self._path = np.empty((2, BLOCK_TICKS))
+        self._safety = np.empty(BLOCK_TICKS, dtype=np.uint8)
+        self._joints = joints
+        self._block = np.empty((BLOCK_TICKS, len(_ROW_COLUMNS) * joints))
+        self._rows: tuple[Float64, ...] = tuple(self._block)
         self._count = 0
 
     def tick(
-        self, t_ns: int, path_s: float, path_speed: float, safety_state: int, rows: tuple[Any, ...]
+        self, t_ns: int, path_s: float, path_speed: float, safety_state: int, rows: tuple[Float64, ...]
     ) -> None:
         """Add one tick; ``rows`` holds the (J,) columns of TickBlock in their order."""
-        self._scalars.append((t_ns, path_s, path_speed, safety_state))
-        block, count = self._rows, self._count
-        for column, row in enumerate(rows):
-            block[column, count] = row
+        count = self._count
+        self._t_ns[count] = t_ns
+        self._path[0, count] = path_s
+        self._path[1, count] = path_speed
+        self._safety[count] = safety_state
+        np.concatenate(rows, out=self._rows[count])
         self._count = count + 1
         if self._count == BLOCK_TICKS:
             self._flush()
@@ -66,14 +72,17 @@ class Recorder:
         count = self._count
         if not count:
             return
-        values: dict[str, Any] = {
-            name: np.array(column, dtype=kind)
-            for (name, kind), column in zip(_SCALARS.items(), zip(*self._scalars, strict=True), strict=True)
-        }
-        values |= {name: self._rows[index, :count].copy() for index, name in enumerate(_ROW_COLUMNS)}
-        self._scalars.clear()
+        columns = np.split(self._block[:count].copy(), len(_ROW_COLUMNS), axis=1)
+        self._send(
+            TickBlock(
+                t_ns=self._t_ns[:count].copy(),
+                path_s=self._path[0, :count].copy(),
+                path_speed=self._path[1, :count].copy(),
+                safety_state=self._safety[:count].copy(),
+                **dict(zip(_ROW_COLUMNS, columns, strict=True)),
+            )
+        )
         self._count = 0
-        self._send(TickBlock(**values))
 
     def _send(self, message: Message) -> None:
         self._digest.update(canonical_bytes(message))

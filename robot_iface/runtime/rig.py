@@ -25,6 +25,11 @@ class LoopClock(Clock, Protocol):
         """The same, consecutively, up to now."""
         ...
 
+    @property
+    def scheduling(self) -> str:
+        """What scheduling the loop has, as a phrase."""
+        ...
+
     def late_ns(self, percentile: float) -> int:
         """Lateness at a percentile of all ticks."""
         ...

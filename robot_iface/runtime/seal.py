@@ -72,7 +72,7 @@ def check_certificate(plan: Plan, certificate: Certificate) -> None:
         )
     if certificate.parts != plan_parts(plan):
         issued = set(certificate.parts)
-        other = [part.split(":", 1)[0].replace("_", " ") for part in plan_parts(plan) if part not in issued]
+        other = [_spoken(part) for part in plan_parts(plan) if part not in issued]
         raise Refused(
             "rehearsal certificate",
             "for a different " + " and ".join(other or ["plan"]),
@@ -86,6 +86,11 @@ def check_certificate(plan: Plan, certificate: Certificate) -> None:
             "accepted",
             "change the plan and rehearse again",
         )
+
+
+def _spoken(part: str) -> str:
+    """The name of a part as a person reads it."""
+    return part.split(":", 1)[0].replace("_rad", " angle").replace("_", " ")
 
 
 def _sha256(content: bytes) -> str:

@@ -2,11 +2,31 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 from robot_iface.control.goal import Goal
 from robot_iface.motion import PathState
 from robot_iface.types import DeviceState, Float64
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """What a task has to say beside its phases.
+
+    Attributes:
+        cause: Stable code such as "fatigue", "skin-check" or "fit-drift".
+        holds: Whether the supervisor is to hold for it; otherwise it is only recorded.
+        joint: Joint concerned, empty if none.
+        value: Value met, SI, NaN if none.
+        bound: Bound that applied, SI, NaN if none.
+    """
+
+    cause: str
+    holds: bool = False
+    joint: str = ""
+    value: float = float("nan")
+    bound: float = float("nan")
 
 
 class Task(Protocol):
@@ -39,7 +59,10 @@ class Task(Protocol):
 
     @property
     def reason(self) -> str:
-        """Why it came to its end, empty while it has not: see ``RunEnd.reason``."""
+        """Why it came to its end, empty while it has not: see ``RunEnd.reason``.
+
+        A reason of a task that is not done asks for a stop.
+        """
         ...
 
     @property
@@ -75,6 +98,10 @@ class Task(Protocol):
     @property
     def repetition_timeout_ns(self) -> int:
         """How long it may take."""
+        ...
+
+    def take_remark(self) -> Remark | None:
+        """What it has to say since it was last asked, usually nothing; asked once a tick."""
         ...
 
     def begin(self, q_rad: Float64) -> None:

@@ -1,8 +1,31 @@
 """The last layer before the motors: limits, watchdogs and the supervisor with its latched states."""
 
+from robot_iface.safety.admission import admit_limits
 from robot_iface.safety.closing import brake_and_close
-from robot_iface.safety.shipped import MOTOR_CAP_NM, shipped_limits
+from robot_iface.safety.hulls import PackedHulls, pack_hulls
+from robot_iface.safety.shipped import (
+    LONG_HOLD_S,
+    MOTOR_CAP_NM,
+    THERAPIST_CAP_NM,
+    limits_for_hold,
+    raised_limits,
+    shipped_limits,
+)
 from robot_iface.safety.supervisor import Supervisor
 from robot_iface.safety.watch import Outcome, Watch
 
-__all__ = ["MOTOR_CAP_NM", "Outcome", "Supervisor", "Watch", "brake_and_close", "shipped_limits"]
+__all__ = [
+    "LONG_HOLD_S",
+    "MOTOR_CAP_NM",
+    "THERAPIST_CAP_NM",
+    "Outcome",
+    "PackedHulls",
+    "Supervisor",
+    "Watch",
+    "admit_limits",
+    "brake_and_close",
+    "limits_for_hold",
+    "pack_hulls",
+    "raised_limits",
+    "shipped_limits",
+]

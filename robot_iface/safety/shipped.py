@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from robot_iface.errors import Refused
@@ -12,6 +14,9 @@ MOTOR_CAP_NM = 0.6
 THERAPIST_CAP_NM = 0.45
 """Highest interaction torque to which a therapist may raise a joint."""
 
+LONG_HOLD_S = 60.0
+"""Longer holds load a PIP joint with LONG_HOLD_PIP_NM at most."""
+LONG_HOLD_PIP_NM = 0.08
 _INTERACTION_NM = {"mcp": 0.25, "cmc": 0.25, "pip": 0.15, "dip": 0.08, "ip": 0.10}
 _FLEXION_DEG_S = 60.0
 _EXTENSION_DEG_S = 30.0
@@ -66,6 +71,45 @@ def shipped_limits(
         tau_interaction_nm=interaction * (0.5 if halved else 1.0),
         tau_nm=ones * MOTOR_CAP_NM,
     )
+
+
+def raised_limits(limits: Limits, joint_names: tuple[str, ...], joint: str, tau_nm: float) -> Limits:
+    """Limits with another interaction torque at one joint: a therapist's act, the only way to more.
+
+    Args:
+        limits: Present limits.
+        joint_names: The J driven joints.
+        joint: Which of them.
+        tau_nm: Its interaction torque from now on.
+
+    Raises:
+        Refused: The joint is not driven, or the torque is above what a therapist may allow.
+    """
+    if joint not in joint_names:
+        raise Refused("joint", joint, "one of " + ", ".join(joint_names), "choose one of these")
+    if not 0.0 < tau_nm <= THERAPIST_CAP_NM:
+        bound = f"above 0, at most {THERAPIST_CAP_NM:g} Nm"
+        raise Refused(f"interaction torque of {joint}", f"{tau_nm:g} Nm", bound, "ask for less")
+    torques = limits.tau_interaction_nm.copy()
+    torques[joint_names.index(joint)] = tau_nm
+    return dataclasses.replace(limits, tau_interaction_nm=torques)
+
+
+def limits_for_hold(limits: Limits, joint_names: tuple[str, ...], hold_s: float) -> Limits:
+    """Limits of a run that holds a posture for this long: above 60 s a PIP joint carries .08 Nm at most.
+
+    A limit that is lower already stays.
+
+    Args:
+        limits: Present limits.
+        joint_names: The J driven joints.
+        hold_s: Longest hold.
+    """
+    if hold_s <= LONG_HOLD_S:
+        return limits
+    pip = np.array([_joint_class(name) == "pip" for name in joint_names])
+    capped = np.minimum(limits.tau_interaction_nm, LONG_HOLD_PIP_NM)
+    return dataclasses.replace(limits, tau_interaction_nm=np.where(pip, capped, limits.tau_interaction_nm))
 
 
 def _joint_class(name: str) -> str:

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 
 from robot_iface.errors import Refused
 from robot_iface.ports import EmergencyStop, HandRobot
-from robot_iface.safety.admission import admit_device, admit_enable, admit_reset
+from robot_iface.safety.admission import admit_device, admit_enable, admit_reset, admit_shape
 from robot_iface.safety.drive import Drive
-from robot_iface.safety.envelope import Assessment, Envelope, Finding
+from robot_iface.safety.envelope import Assessment, Finding
+from robot_iface.safety.inspection import Inspection
+from robot_iface.safety.ramp import Ramp
+from robot_iface.safety.response import Response
+from robot_iface.safety.reversal import Backing
 from robot_iface.safety.watch import Outcome, Watch
-from robot_iface.safety.watchdogs import Watchdogs
-from robot_iface.safety.yielding import Holding, damped, nothing
+from robot_iface.safety.yielding import nothing
 from robot_iface.types import DeviceCommand, DeviceState, Float64, Limits, SafetyEvent, SafetyState
 
 _FOLLOWING = (SafetyState.RAMP_IN, SafetyState.ACTIVE)
+_GUIDED = (*_FOLLOWING, SafetyState.HOLD)
 _PURSUING = (*_FOLLOWING, SafetyState.HOLD, SafetyState.COMPLIANT)
-_LOWERED_AT_ONCE = ("pain", "held-stretch", "repetition-time-out")
 
 
 class Supervisor:
@@ -34,7 +36,9 @@ class Supervisor:
     until ``reset``:
 
     - READY: no requests pass. With power left over, the device brakes until it rests, then loses power.
-    - RAMP_IN, ACTIVE: requests pass, their torque clamped; RAMP_IN raises the clamp over ``ramp_s``.
+    - RAMP_IN, ACTIVE: requests pass, their torque clamped; RAMP_IN raises the clamp over ``ramp_s``. In
+      ACTIVE a load that opposes the motion is gone back on by the supervisor itself (``Outcome.reversing``);
+      after that its torque is clamped at half for a while.
     - HOLD (category 2): the last command stands still; lowered at <= 20 deg/s where it holds a stretch.
     - COMPLIANT: no stiffness, damping only: the load is followed, never pushed.
     - CAT1: damped brake at once; power is cut when the hand has been still and nothing has pushed hard for
@@ -47,37 +51,31 @@ class Supervisor:
         stop: The stop that a person presses.
         period_ns: Control period.
         ramp_s: Duration of RAMP_IN.
-        quick_release: Whether a worn device that locks without power can be opened by hand at once.
+
+    Raises:
+        Refused: The limits are not for this device.
     """
 
     def __init__(
-        self,
-        robot: HandRobot,
-        limits: Limits,
-        stop: EmergencyStop,
-        period_ns: int,
-        *,
-        ramp_s: float = 1.0,
-        quick_release: bool = False,
+        self, robot: HandRobot, limits: Limits, stop: EmergencyStop, period_ns: int, *, ramp_s: float = 1.0
     ) -> None:
         self._period_s = period_ns * 1e-9
-        self._drive = Drive(robot, self._period_s)
         self._limits = limits
         self._stop = stop
-        self._ramp_step = self._period_s / ramp_s
-        self._quick_release = quick_release
         self._capabilities = capabilities = robot.capabilities
         self._names = capabilities.joint_names
-        self._envelope = Envelope(limits, self._names, self._period_s)
-        self._watchdogs = Watchdogs(period_ns, capabilities.period_ns)
+        admit_shape(limits, capabilities)
+        self._drive = Drive(robot, self._period_s)
+        self._inspection = Inspection(limits, capabilities, stop, period_ns)
         self._state = SafetyState.OFF
-        self._ramp = 0.0
+        self._ramp = Ramp(self._period_s / ramp_s)
         self._now_ns = 0
         self._reading: DeviceState | None = None
         self._previous: DeviceCommand | None = None
+        self._continued = False
         self._applied = nothing(len(self._names), 0)
-        self._holding: Holding | None = None
-        self._asked: Finding | None = None
+        self._response = Response(limits, self._period_s)
+        self._reversed = False
 
     @property
     def state(self) -> SafetyState:
@@ -92,16 +90,16 @@ class Supervisor:
     @property
     def ramp(self) -> float:
         """Share of torque allowed now, 0 to 1; hand it to ``ImpedanceLaw.command``."""
-        return self._ramp
+        return self._ramp.share
 
     def start(self) -> None:
         """Open the device: OFF -> READY, without power.
 
         Raises:
-            Refused: If it is started already, if the limits are not for this device, or if a worn device
-                would lock the fingers without power and has no quick release.
+            Refused: If it is started already, or if a worn device would lock the fingers without power and
+                has no quick release.
         """
-        admit_device(self._state, self._capabilities, self._limits, quick_release=self._quick_release)
+        admit_device(self._state, self._capabilities)
         self._drive.open()
         self._state = SafetyState.READY
 
@@ -114,7 +112,7 @@ class Supervisor:
         admit_enable(self._state, self._stop, self._reading, self._limits, self._names)
         self._drive.enable()
         self._state = SafetyState.RAMP_IN
-        self._watchdogs.forget_loads()
+        self._inspection.forget_loads()
 
     def reset(self, *, present: bool) -> None:
         """A person who is present clears a latched state -> READY; nothing moves before a new enable edge.
@@ -138,7 +136,13 @@ class Supervisor:
 
     def request_stop(self, cause: str) -> None:
         """Category 1 stop at the next ``write``, for causes that only the caller sees ("link-closed")."""
-        self._asked = Finding(cause, SafetyState.CAT1, "", math.nan, math.nan)
+        self._inspection.ask_for_stop(cause)
+
+    def request_hold(
+        self, cause: str, joint: str = "", value: float = math.nan, bound: float = math.nan
+    ) -> None:
+        """HOLD at the next ``write``, for causes that only the task sees ("fit-drift")."""
+        self._inspection.ask_for_hold(cause, joint, value, bound)
 
     def read(self, now_ns: int) -> DeviceState:
         """The newest state; once a tick, before the request is computed.
@@ -172,21 +176,37 @@ class Supervisor:
         state = self._reading
         if state is None:
             raise Refused("supervisor", "without a reading", "read once a tick", "call read before write")
-        following = self._state in _FOLLOWING
-        wanted = request if following else self._own_command(state, request.seq)
-        found = self._envelope.assess(
-            state, wanted, self._previous, self._cap(), moving=self._state in _PURSUING
+        response, pursuing = self._response, self._state in _PURSUING
+        passes = self._state in _FOLLOWING and not response.reversing
+        wanted = request if passes else response.command(state, request.seq, powered=self._drive.powered)
+        assess = self._inspection.envelope.assess
+        stepped = self._previous is not None
+        found = assess(
+            state, wanted, self._cap(), stepped=stepped, continued=self._continued, moving=pursuing
         )
-        events = self._transitions(self._findings(state, wanted, watch, found))
-        if events and self._state > SafetyState.ACTIVE:
-            wanted = self._own_command(state, request.seq)
-            found = self._envelope.assess(state, wanted, None, self._cap(), moving=False)
-        self._previous = wanted if self._state in _FOLLOWING else None
+        wrong = self._inspection.findings(
+            state, self._now_ns, found, watch if pursuing else None, self._drive.lost
+        )
+        self._reversed = False
+        events = self._judge(wrong, state, wanted, found.load_share) if wrong or response.reversing else ()
+        if events and (self._state > SafetyState.ACTIVE or response.reversing):
+            passes = False
+            wanted = response.command(state, request.seq, powered=self._drive.powered)
+            found = assess(state, wanted, self._cap())
+        self._previous = wanted if passes else None
         self._drive.note(found.load_share)
-        tau = self._act(state, wanted, found)
-        load, powered = found.load_share, self._drive.powered
+        tau = self._act(state, found)
         return Outcome(
-            self._applied, found.requested_tau_nm, tau, self._state, self._ramp, load, powered, events
+            self._applied,
+            found.requested_tau_nm,
+            tau,
+            self._state,
+            self._ramp.share,
+            found.load_share,
+            self._drive.powered,
+            events,
+            response.reversing,
+            self._reversed,
         )
 
     def close(self) -> None:
@@ -196,73 +216,59 @@ class Supervisor:
         self._drive.close()
         self._state = SafetyState.OFF
 
-    def _own_command(self, state: DeviceState, seq: int) -> DeviceCommand:
-        """What the supervisor itself wants in a state in which requests do not pass."""
-        if self._state is SafetyState.HOLD and self._holding is not None:
-            return self._holding.command(state, seq)
-        if self._drive.powered:
-            return damped(len(self._names), seq)
-        return nothing(len(self._names), seq)
-
     def _cap(self) -> Float64:
         """Torque clamp of the present state: the motor's cap for damping, the patient's for all else."""
-        if self._state in _FOLLOWING or self._state is SafetyState.HOLD:
-            return self._envelope.follow_cap_nm * self._ramp
-        return self._envelope.motor_cap_nm
+        envelope = self._inspection.envelope
+        if self._state not in _GUIDED or self._response.reversing:
+            return envelope.motor_cap_nm
+        share = self._ramp.clamp
+        return envelope.follow_cap_nm if share >= 1.0 else envelope.follow_cap_nm * share
 
-    def _findings(
-        self, state: DeviceState, wanted: DeviceCommand, watch: Watch, assessment: Assessment
-    ) -> list[Finding]:
-        """Everything that is wrong in this tick."""
-        found: list[Finding] = []
-        if self._stop.pressed():
-            found.append(Finding("e-stop", SafetyState.CAT1, "", math.nan, math.nan))
-        found.extend(assessment.findings)
-        if self._drive.lost:
-            found.append(Finding(f"device-lost {self._drive.lost}", SafetyState.CAT0, "", math.nan, math.nan))
-        if self._asked is not None:
-            found.append(self._asked)
-            self._asked = None
-        checks = [self._watchdogs.trust(state, self._now_ns)]
-        if self._state in _PURSUING:
-            checks.append(self._watchdogs.link(watch))
-            checks.append(self._watchdogs.load(state, wanted, assessment.load_share))
-        found.extend(finding for finding in checks if finding is not None)
-        return found
-
-    def _transitions(self, found: list[Finding]) -> tuple[SafetyEvent, ...]:
-        """Enter the most severe state asked for, if it is more severe than the present one."""
+    def _judge(
+        self, found: list[Finding], state: DeviceState, wanted: DeviceCommand, load_share: float
+    ) -> tuple[SafetyEvent, ...]:
+        """Go back on a load, or enter the most severe state asked for, if it is more severe than this one."""
+        if self._response.reversing:
+            found = self._back_off(found, state, load_share)
         if not found:
             return ()
         worst = max(found, key=lambda finding: finding.state)
+        if self._only_load(found) and self._response.go_back(state, wanted, self._applied):
+            return (self._event(worst, "reversal"),)
         if worst.state > self._state:
             self._enter(worst)
-            return (self._event(worst),)
-        return self._lower(found)
+            return (self._event(worst, worst.cause),)
+        return tuple(
+            self._event(finding, finding.cause) for finding in found if self._response.lower(finding.cause)
+        )
 
-    def _lower(self, found: list[Finding]) -> tuple[SafetyEvent, ...]:
-        """In HOLD: begin to lower where a finding asks for it."""
-        holding = self._holding
-        causes = [finding for finding in found if finding.cause in _LOWERED_AT_ONCE]
-        if holding is None or holding.lowering or not causes:
-            return ()
-        holding.lowering = True
-        return (self._event(causes[0]),)
+    def _only_load(self, found: list[Finding]) -> bool:
+        """Whether a load at full torque is all that is wrong, so that it may be gone back on."""
+        alone = [finding.cause for finding in found] == ["load"]
+        return alone and self._state is SafetyState.ACTIVE and self._ramp.clamp >= 1.0
 
-    def _event(self, finding: Finding) -> SafetyEvent:
+    def _back_off(self, found: list[Finding], state: DeviceState, load_share: float) -> list[Finding]:
+        """One tick of going back, which judges the load by itself meanwhile; what else is wrong."""
+        stands = self._response.backing(state, load_share)
+        if stands is Backing.FAILED:
+            return [*found, self._inspection.envelope.load()]
+        if stands is Backing.OVER:
+            self._reversed = True
+            self._ramp.begin_again()
+        return [finding for finding in found if finding.cause != "load"]
+
+    def _event(self, finding: Finding, cause: str) -> SafetyEvent:
         """What is reported of a finding that has changed something."""
         joint, value, bound = finding.joint, finding.value, finding.bound
-        return SafetyEvent(self._now_ns, finding.cause, self._state, joint, value, bound)
+        return SafetyEvent(self._now_ns, cause, self._state, joint, value, bound)
 
     def _enter(self, finding: Finding) -> None:
         """Enter a latched state."""
         self._state = finding.state
+        self._response.drop()
         if finding.state is SafetyState.HOLD:
-            self._holding = Holding(self._applied, self._limits.tau_interaction_nm, self._period_s)
-            self._holding.lowering = finding.cause in _LOWERED_AT_ONCE
-            return
-        self._holding = None
-        if finding.state is SafetyState.CAT1:
+            self._response.hold(self._applied, finding.cause)
+        elif finding.state is SafetyState.CAT1:
             self._drive.brake()
         elif finding.state is SafetyState.CAT0:
             self._drive.cut_power()
@@ -270,31 +276,23 @@ class Supervisor:
     def _enter_ready(self) -> None:
         """READY: brake if there is power; no goal is left over."""
         self._state = SafetyState.READY
-        self._ramp = 0.0
-        self._holding = None
-        self._previous = None
+        self._ramp.begin()
+        self._response.drop()
+        self._previous, self._continued = None, False
         self._drive.brake()
 
-    def _act(self, state: DeviceState, wanted: DeviceCommand, assessment: Assessment) -> Float64:
+    def _act(self, state: DeviceState, found: Assessment) -> Float64:
         """Give the device what the state allows and return the torque that it then applies, (J,)."""
+        self._continued = False
         if not self._drive.powered:
-            self._applied = wanted = nothing(len(self._names), wanted.seq)
-            return wanted.tau_ff_nm
+            self._applied = nothing(len(self._names), found.applied.seq)
+            return self._applied.tau_ff_nm
+        self._applied = found.applied
         if self._state in (SafetyState.READY, SafetyState.CAT1):
-            self._applied = wanted
             self._drive.settle(state)
-            return assessment.applied_tau_nm
-        shift = assessment.applied_tau_nm - assessment.requested_tau_nm
-        if bool(shift.any()):
-            wanted = dataclasses.replace(wanted, tau_ff_nm=wanted.tau_ff_nm + shift)
-        self._applied = wanted
-        self._drive.send(wanted)
-        self._advance_ramp()
-        return assessment.applied_tau_nm
-
-    def _advance_ramp(self) -> None:
-        """RAMP_IN lets a little more torque pass every tick, until all of it does."""
-        if self._state is SafetyState.RAMP_IN:
-            self._ramp = min(self._ramp + self._ramp_step, 1.0)
-            if self._ramp >= 1.0:
-                self._state = SafetyState.ACTIVE
+            return found.applied_tau_nm
+        self._drive.send(found.applied)
+        if self._state in _FOLLOWING:
+            self._continued = True
+            self._state = SafetyState.ACTIVE if self._ramp.advance() else SafetyState.RAMP_IN
+        return found.applied_tau_nm

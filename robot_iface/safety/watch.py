@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from robot_iface.types import DeviceCommand, Float64, SafetyEvent, SafetyState
 
@@ -37,9 +38,8 @@ class Watch:
     pain: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """What became of a request. Arrays are (J,).
+class Outcome(NamedTuple):
+    """What became of a request; a tuple, because one is made in every tick. Arrays are (J,).
 
     Attributes:
         applied: The command that the device has now; with zero gains while it brakes or is unpowered.
@@ -50,6 +50,8 @@ class Outcome:
         load_share: Largest measured interaction torque as a share of its limit.
         powered: Whether the motors have power.
         events: Transitions of this tick, usually none.
+        reversing: Whether the supervisor itself moves the hand back from a load; requests do not pass.
+        reversed: In the one tick in which it gives the hand back: the task begins anew from where it is.
     """
 
     applied: DeviceCommand
@@ -60,3 +62,5 @@ class Outcome:
     load_share: float
     powered: bool
     events: tuple[SafetyEvent, ...]
+    reversing: bool = False
+    reversed: bool = False

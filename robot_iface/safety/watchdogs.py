@@ -8,7 +8,7 @@ import numpy as np
 
 from robot_iface.safety.envelope import Finding
 from robot_iface.safety.watch import Watch
-from robot_iface.types import DeviceCommand, DeviceState, SafetyState
+from robot_iface.types import DeviceState, SafetyState
 
 HEARTBEAT_NS = 250_000_000
 OPERATOR_NS = 1_000_000_000
@@ -24,7 +24,6 @@ REST_LOAD_SHARE = 0.5
 REST_LOAD_S = 3.0
 COMMANDED_REST_RAD_S = float(np.deg2rad(1.0))
 STILL_RAD_S = float(np.deg2rad(5.0))
-_EVERY = 10
 _NS = 1e-9
 
 
@@ -43,19 +42,27 @@ class Watchdogs:
         self._last_ns = 0
         self._gap_ns = 0
         self._last_seq = -1
-        self._same_seq = 0
+        self._old_reads = 0
         self._over_load_s = 0.0
-        self._tick = 0
         self._loaded_s = 0.0
 
     def trust(self, state: DeviceState, now_ns: int) -> Finding | None:
-        """Whether the device can be trusted at all (checked in every state)."""
-        self._gap_ns = now_ns - self._last_ns if self._last_ns else 0
+        """Whether clock and device can be trusted at all (checked in every state).
+
+        A clock that goes backwards makes every age meaningless: category 0. One that jumps ahead looks like a
+        loop that stood still (HOLD), or, where the device keeps its own time, like a stale device. A reading
+        from the loop's future is no more to be trusted: by its age it would never be stale.
+        """
+        self._gap_ns = gap_ns = now_ns - self._last_ns if self._last_ns else 0
         self._last_ns = now_ns
-        self._same_seq = self._same_seq + 1 if state.seq == self._last_seq else 0
-        self._last_seq = state.seq
+        if gap_ns < 0:
+            return Finding("clock-backwards", SafetyState.CAT0, "", gap_ns * _NS, 0.0)
+        if state.seq > self._last_seq:
+            self._old_reads, self._last_seq = 0, state.seq
+        else:  # repeated, or overtaken by a later one
+            self._old_reads += 1
         age_ns = now_ns - state.t_ns
-        if age_ns > self._stale_ns or self._same_seq > self._stale_reads:
+        if not -PATH_NS <= age_ns <= self._stale_ns or self._old_reads > self._stale_reads:
             return Finding("device-stale", SafetyState.CAT0, "", age_ns * _NS, self._stale_ns * _NS)
         if state.faults:
             return Finding(f"device-fault {state.faults[0]}", SafetyState.CAT1, "", math.nan, math.nan)
@@ -65,6 +72,22 @@ class Watchdogs:
 
     def link(self, watch: Watch) -> Finding | None:
         """Whether loop, app, operator, camera and path are there (checked while the motors pursue a goal)."""
+        well = (
+            watch.overruns_in_row <= OVERRUNS
+            and watch.heartbeat_age_ns <= HEARTBEAT_NS
+            and watch.operator_age_ns <= OPERATOR_NS
+            and watch.camera_age_ns <= CAMERA_NS
+            and watch.path_age_ns <= PATH_NS
+            and self._gap_ns <= PATH_NS
+            and watch.enable_held
+            and not watch.pain
+            and not watch.path_fault
+            and (watch.repetition_timeout_ns <= 0 or watch.repetition_age_ns <= watch.repetition_timeout_ns)
+        )
+        return None if well else self._unwell(watch)
+
+    def _unwell(self, watch: Watch) -> Finding | None:
+        """The first of what ``link`` has found, the most severe first."""
         if watch.overruns_in_row > OVERRUNS:
             return Finding("overruns", SafetyState.CAT0, "", float(watch.overruns_in_row), float(OVERRUNS))
         ages = (
@@ -83,33 +106,33 @@ class Watchdogs:
             return Finding("pain", SafetyState.HOLD, "", math.nan, math.nan)
         if watch.path_fault:
             return Finding("path-fault", SafetyState.HOLD, "", math.nan, math.nan)
-        if 0 < watch.repetition_timeout_ns < watch.repetition_age_ns:
-            age_s, bound_s = watch.repetition_age_ns * _NS, watch.repetition_timeout_ns * _NS
-            return Finding("repetition-time-out", SafetyState.HOLD, "", age_s, bound_s)
-        return None
+        age_s, bound_s = watch.repetition_age_ns * _NS, watch.repetition_timeout_ns * _NS
+        return Finding("repetition-time-out", SafetyState.HOLD, "", age_s, bound_s)
 
-    def load(self, state: DeviceState, request: DeviceCommand, load_share: float) -> Finding | None:
-        """Load over the limit for 10 ms, or above half of it for 3 s while the robot holds still."""
+    def overloaded(self, load_share: float) -> bool:
+        """Whether a load (as a share of its limit) has been over it for 10 ms."""
         self._over_load_s = self._over_load_s + self._period_s if load_share > 1.0 else 0.0
-        if self._over_load_s >= LOAD_LASTS_S - _NS:
-            return Finding("load", SafetyState.COMPLIANT, "", load_share, 1.0)
-        self._tick += 1
-        if self._tick % _EVERY == 0:
-            loaded = load_share > REST_LOAD_SHARE and _holds_still(state, request)
-            self._loaded_s = self._loaded_s + _EVERY * self._period_s if loaded else 0.0
+        return self._over_load_s >= LOAD_LASTS_S - _NS
+
+    def stretched(self, load_share: float, commanded_rad_s: float, speed_rad_s: float) -> Finding | None:
+        """Whether a load has been above half of its limit for 3 s while the robot holds still.
+
+        Args:
+            load_share: Largest interaction torque as a share of its limit.
+            commanded_rad_s: Highest commanded speed.
+            speed_rad_s: Highest measured speed.
+        """
+        loaded = (
+            load_share > REST_LOAD_SHARE
+            and commanded_rad_s < COMMANDED_REST_RAD_S
+            and speed_rad_s < STILL_RAD_S
+        )
+        self._loaded_s = self._loaded_s + self._period_s if loaded else 0.0
         if self._loaded_s >= REST_LOAD_S - _NS:
             return Finding("held-stretch", SafetyState.HOLD, "", load_share, REST_LOAD_SHARE)
         return None
 
     def forget_loads(self) -> None:
-        """Begin to count loads anew, when motion is enabled."""
+        """Begin to count loads anew: motion is enabled, or the supervisor has gone back on a load."""
         self._over_load_s = 0.0
         self._loaded_s = 0.0
-
-
-def _holds_still(state: DeviceState, request: DeviceCommand) -> bool:
-    """Whether nothing is meant to move and nothing does."""
-    return (
-        float(np.abs(request.dq_rad_s).max()) < COMMANDED_REST_RAD_S
-        and float(np.abs(state.dq_rad_s).max()) < STILL_RAD_S
-    )

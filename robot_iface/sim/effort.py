@@ -1,24 +1,30 @@
-"""What the virtual patient's muscles do beyond passive stiffness: voluntary effort, reflex, tremor."""
+"""What the virtual patient's muscles do beyond passive stiffness: effort, reflex, clonus, tremor, spasm."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from robot_iface.errors import Refused
+from robot_iface.sim import muscles
 from robot_iface.sim.kinds import VirtualPatient
 from robot_iface.sim.model import DRIVEN, PERIOD_S
-from robot_iface.types import Float64
+from robot_iface.sim.muscles import COMMAND_DELAY_TICKS, REFLEX_DELAY_TICKS, REFLEX_THRESHOLD_RAD_S
+from robot_iface.types import Float64, Int64, Spasm
 
-COMMAND_DELAY_TICKS = 80  # on the command only; a delay on the feedback would make the servo shake
-REFLEX_DELAY_TICKS = 30
-REFLEX_THRESHOLD_RAD_S = float(np.deg2rad(30.0))
-_SERVO_STIFFNESS_NM_RAD = 0.4
-_SERVO_DAMPING_NMS_RAD = 0.01
-_EFFORT_RISE_S = 0.3
-_ANTICIPATION_S = 0.1
-_LEAD_RAD = float(np.deg2rad(15.0))  # how far ahead a patient reaches before the robot has started
+__all__ = [
+    "COMMAND_DELAY_TICKS",
+    "REFLEX_DELAY_TICKS",
+    "REFLEX_THRESHOLD_RAD_S",
+    "Nobody",
+    "PatientEffort",
+    "patient_spasms",
+    "spasm_rows",
+]
+
 _SLACK_PER_REPETITION = 0.85
-_TREMOR_HZ = 5.0
-_MCP = np.array([1.0 if name.endswith("mcp_flexion") else 0.0 for name in DRIVEN])
+_CLONUS_HZ = (5.0, 7.0)
+_MCP: Float64 = np.array([1.0 if name.endswith("mcp_flexion") else 0.0 for name in DRIVEN])
+_FLEXES: Float64 = np.array([0.0 if name.endswith("abduction") else 1.0 for name in DRIVEN])
 
 
 class PatientEffort:
@@ -27,81 +33,141 @@ class PatientEffort:
     Args:
         patient: Who it is.
         rest_rad: Resting posture of the driven joints, (12,).
-        rng: Source of the tremor's phases.
+        rng: Source of the tremor's phases and of the clonus's frequency.
+        spasms: Spasms, one row each (see ``spasm_rows``), (S, 16).
     """
 
-    def __init__(self, patient: VirtualPatient, rest_rad: Float64, rng: np.random.Generator) -> None:
+    def __init__(
+        self,
+        patient: VirtualPatient,
+        rest_rad: Float64,
+        rng: np.random.Generator,
+        spasms: Float64 | None = None,
+    ) -> None:
         self._patient = patient
-        self._rest_rad = rest_rad
-        self._goals_rad = np.tile(rest_rad, (COMMAND_DELAY_TICKS, 1))
-        self._efforts = np.zeros(COMMAND_DELAY_TICKS)
+        self._spasms = np.zeros((0, 4 + len(DRIVEN))) if spasms is None else spasms
+        self._goals = np.zeros((COMMAND_DELAY_TICKS, len(DRIVEN) + 1))
+        self._goals[:, : len(DRIVEN)] = rest_rad
         self._speeds_rad_s = np.zeros((REFLEX_DELAY_TICKS, len(DRIVEN)))
-        self._phase_rad = rng.uniform(0.0, 2.0 * np.pi, len(DRIVEN))
-        self._tick = 0
-        self._effort = 0.0
-        self._willingness = 1.0
-        self._path_rad: Float64 | None = None
-        self._step_s = 1.0
-        self._rate = 0.0
-        self._own_s = 0.0
-        self._robot_s = 0.0
-        resists = patient.will == "resist"
-        self._wants = resists
-        self._idle = not (resists or patient.spasticity_nms_rad or patient.tremor_nm)
+        self._path_rad: Float64 = np.array(rest_rad, dtype=np.float64)[None, :]
+        self._joints = _joint_rows(patient, rest_rad, rng.uniform(0.0, 2.0 * np.pi, len(DRIVEN)))
+        beats_hz = float(rng.uniform(*_CLONUS_HZ)) if patient.clonus_nm else 0.0
+        self._who: Float64 = np.array(
+            [patient.ability, patient.spasticity_nms_rad, patient.tires_j, patient.clonus_nm, beats_hz]
+        )
+        self._state = np.zeros(9)
+        self._state[muscles.WILLINGNESS] = self._state[muscles.STEP_S] = 1.0
+        self._state[muscles.WANTS] = float(patient.will == "resist")
+        self._torque_nm = np.zeros(len(DRIVEN))
+        self._own: Int64 = np.arange(len(DRIVEN))
+        self._compile()
+
+    def _compile(self) -> None:
+        """Have the machine code ready before the first tick; the call leaves no trace."""
+        kept = [array.copy() for array in (self._state, self._joints, self._goals, self._speeds_rad_s)]
+        self.torque_nm(np.zeros(len(DRIVEN)), np.zeros(len(DRIVEN)))
+        self._state, self._joints, self._goals, self._speeds_rad_s = kept
+
+    @property
+    def ability(self) -> float:
+        """Present ability, 0 to 1: what fatigue has left of it."""
+        tired = float(np.exp(-self._state[muscles.WORK_J] / self._patient.tires_j))
+        return self._patient.ability * tired
 
     def cue(self, path_rad: Float64, step_s: float, speed: float) -> None:
         """Ask for the movement whose postures stand ``step_s`` apart in ``path_rad``, (M, 12)."""
         if self._patient.will in ("none", "resist"):
             return
-        self._path_rad, self._step_s, self._rate = path_rad, step_s, speed * PERIOD_S
-        self._own_s = self._robot_s = 0.0
-        self._wants = True
+        self._path_rad = np.ascontiguousarray(path_rad, dtype=np.float64)
+        self._state[muscles.STEP_S] = step_s
+        self._state[muscles.RATE_S] = speed * PERIOD_S
+        self._state[muscles.OWN_S] = self._state[muscles.ROBOT_S] = 0.0
+        self._state[muscles.WANTS] = 1.0
         if self._patient.will == "slack":
-            self._willingness *= _SLACK_PER_REPETITION
+            self._state[muscles.WILLINGNESS] *= _SLACK_PER_REPETITION
 
     def progress(self, path_s: float) -> None:
         """Let the patient see how far the movement has come."""
-        self._robot_s = path_s
+        self._state[muscles.ROBOT_S] = path_s
 
     def relax(self) -> None:
         """End the patient's intention."""
-        self._wants = self._patient.will == "resist"
+        self._state[muscles.WANTS] = float(self._patient.will == "resist")
 
-    def torque_nm(self, q_rad: Float64, dq_rad_s: Float64) -> Float64 | None:
-        """Muscle torque at this tick, flexion positive, (12,); None while there is none."""
-        if self._idle and not self._wants and self._effort < 1e-6:
-            return None
-        tick, patient = self._tick, self._patient
-        self._tick = tick + 1
-        torque = self._voluntary_nm(tick, q_rad, dq_rad_s)
-        if patient.spasticity_nms_rad:
-            row = tick % REFLEX_DELAY_TICKS
-            late = self._speeds_rad_s[row].copy()
-            self._speeds_rad_s[row] = dq_rad_s
-            torque += patient.spasticity_nms_rad * np.maximum(-REFLEX_THRESHOLD_RAD_S - late, 0.0)
-        if patient.tremor_nm:
-            turn = 2.0 * np.pi * _TREMOR_HZ * PERIOD_S * tick
-            torque += patient.tremor_nm * _MCP * np.sin(turn + self._phase_rad)
-        return torque
+    def pull(self, q_rad: Float64, dq_rad_s: Float64, at: Int64) -> Float64:
+        """Muscle torque at this tick, flexion positive, (12,); the same array at every tick.
 
-    def _voluntary_nm(self, tick: int, q_rad: Float64, dq_rad_s: Float64) -> Float64:
-        wanted = self._willingness * self._patient.ability if self._wants else 0.0
-        self._effort += (wanted - self._effort) * (PERIOD_S / _EFFORT_RISE_S)
-        row = tick % COMMAND_DELAY_TICKS
-        goal, effort = self._goals_rad[row].copy(), float(self._efforts[row])
-        self._goals_rad[row] = self._goal_rad()
-        self._efforts[row] = self._effort
-        pull = _SERVO_STIFFNESS_NM_RAD * (goal - q_rad) - _SERVO_DAMPING_NMS_RAD * dq_rad_s
-        return effort * pull
+        Args:
+            q_rad: All positions of the model, (nq,).
+            dq_rad_s: All speeds, (nq,).
+            at: Where the 12 joints stand in them, (12,).
+        """
+        muscles.muscle_torque(
+            q_rad,
+            dq_rad_s,
+            at,
+            self._who,
+            self._state,
+            self._joints,
+            self._goals,
+            self._speeds_rad_s,
+            self._path_rad,
+            self._spasms,
+            self._torque_nm,
+        )
+        return self._torque_nm
 
-    def _goal_rad(self) -> Float64:
-        """The posture that the patient now strives for: a little ahead of the robot, or of its start."""
-        path = self._path_rad
-        if path is None:
-            return self._rest_rad
-        last, here = path.shape[0] - 1, int(self._robot_s / self._step_s)
-        own = int(self._own_s / self._step_s)
-        ahead = path[min(own, last)]
-        if float(np.abs(ahead - path[min(here, last)]).max()) < _LEAD_RAD:
-            self._own_s += self._rate
-        return path[min(max(own, int((self._robot_s + _ANTICIPATION_S) / self._step_s)), last)]
+    def torque_nm(self, q_rad: Float64, dq_rad_s: Float64) -> Float64:
+        """Muscle torque at this tick for joints and speeds in their own order, (12,)."""
+        return self.pull(q_rad, dq_rad_s, self._own).copy()
+
+
+class Nobody:
+    """The patient's side where no hand is in the device."""
+
+    def cue(self, path_rad: Float64, step_s: float, speed: float) -> None:
+        """Nothing: nobody is asked."""
+
+    def progress(self, path_s: float) -> None:
+        """Nothing."""
+
+    def relax(self) -> None:
+        """Nothing."""
+
+
+def spasm_rows(spasms: tuple[Spasm, ...], names: tuple[str, ...], every: Float64) -> Float64:
+    """Spasms as the compiled kernels read them.
+
+    Args:
+        spasms: The spasms.
+        names: The J driven joints.
+        every: Share of each joint in a spasm that names none, (J,).
+
+    Returns:
+        Start, duration, size, beats per second and the share of each joint, (S, 4 + J).
+
+    Raises:
+        Refused: A spasm names a joint that is not driven.
+    """
+    rows = np.zeros((len(spasms), 4 + len(names)))
+    for row, spasm in zip(rows, spasms, strict=True):
+        row[:4] = spasm.start_s, spasm.duration_s, spasm.size_nm, spasm.clonus_hz
+        if spasm.joint and spasm.joint not in names:
+            bound = "empty or one of " + ", ".join(names)
+            raise Refused("joint of a spasm", repr(spasm.joint), bound, "choose one of these")
+        row[4:] = every if not spasm.joint else [float(spasm.joint == name) for name in names]
+    return rows
+
+
+def patient_spasms(spasms: tuple[Spasm, ...]) -> Float64:
+    """Spasms of the exoskeleton's patient; one that names no joint pulls at every flexion joint."""
+    return spasm_rows(spasms, DRIVEN, _FLEXES)
+
+
+def _joint_rows(patient: VirtualPatient, rest_rad: Float64, phase_rad: Float64) -> Float64:
+    rows = np.zeros((6, len(DRIVEN)))
+    rows[muscles.BLOCK_AT] = rest_rad - patient.block_rad
+    rows[muscles.BLOCK_STIFFNESS] = patient.block_nm_rad * _FLEXES * float(patient.block_rad > 0.0)
+    rows[muscles.TREMOR] = patient.tremor_nm * _MCP
+    rows[muscles.PHASE] = phase_rad
+    return rows

@@ -7,29 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from robot_iface.kinematics import average_hand
-from robot_iface.sim.effort import PatientEffort
+from robot_iface.kinematics import patient_hand
+from robot_iface.sim.effort import PatientEffort, patient_spasms, spasm_rows
 from robot_iface.sim.engine import mujoco
 from robot_iface.sim.faults import Fault, FaultInjector
-from robot_iface.sim.kinds import VirtualPatient, virtual_patient
-from robot_iface.sim.model import (
-    DRIVEN,
-    PERIOD_S,
-    STRAP_DAMPING_NMS_RAD,
-    STRAP_STIFFNESS_NM_RAD,
-    build_model,
-)
-from robot_iface.types import Capabilities, CommandMode, DeviceCommand, DeviceState, Float64, PatientTwin
+from robot_iface.sim.kernels import push, sense
+from robot_iface.sim.kinds import VirtualPatient, patient_of
+from robot_iface.sim.model import DRIVEN, PERIOD_S, build_model, hand_landmarks
+from robot_iface.sim.motors import ENCODER_STD_RAD, MOTOR_CAP_NM, Motors, SensorNoise
+from robot_iface.sim.straps import seated_rad, strap_rows
+from robot_iface.types import Capabilities, DeviceCommand, DeviceState, Float64, Int64, PatientTwin
 
 PERIOD_NS = round(PERIOD_S * 1e9)
-_ENCODER_STD_RAD = 2e-4
-_SECOND_SENSOR_STD_RAD = 1e-3
-_SPEED_STD_RAD_S = 2e-3
-_MOTOR_CAP_NM = 0.6
-_NOISE_ROWS = 1024
-_HEATING_K_PER_NM2_S = 0.9  # copper losses warm the hottest motor ...
-_COOLING_PER_S = 0.02  # ... and air cools it
-_AMBIENT_C = 25.0
+_WARM_TICKS = 100
 _RANGE_DEG: dict[str, tuple[float, float]] = {
     "thumb_cmc_flexion": (-20.0, 40.0),
     "thumb_cmc_abduction": (-25.0, 40.0),
@@ -51,10 +41,10 @@ def device_capabilities() -> Capabilities:
         period_ns=PERIOD_NS,
         q_min_rad=q_min,
         q_max_rad=q_max,
-        tau_max_nm=np.full(len(DRIVEN), _MOTOR_CAP_NM),
+        tau_max_nm=np.full(len(DRIVEN), MOTOR_CAP_NM),
         worn=True,
         unpowered="free",
-        encoder_std_rad=_ENCODER_STD_RAD,
+        encoder_std_rad=ENCODER_STD_RAD,
     )
 
 
@@ -64,13 +54,13 @@ class SimulatedExoskeleton:
     Physics advances only by ``advance`` (one period), so that its time is whatever the clock makes it.
 
     Args:
-        twin: Whose hand is inside.
-        seed: Seed of sensor noise and tremor.
+        twin: Whose hand is inside, and how the device sits on it.
+        seed: Seed of sensor noise, tremor and clonus.
         faults: Faults to plant.
-        patient: The patient's parameters; by default those of the twin's kind.
+        patient: The patient's parameters; by default those of the twin's kind and measured stiffness.
 
     Raises:
-        Refused: The kind of patient or the hand's length does not exist.
+        Refused: The kind of patient does not exist, the hand is no hand, or the device cannot sit on it so.
     """
 
     def __init__(
@@ -81,28 +71,31 @@ class SimulatedExoskeleton:
         patient: VirtualPatient | None = None,
     ) -> None:
         rng = np.random.default_rng(seed)
-        who = patient or virtual_patient(twin.kind)
+        who = patient or patient_of(twin)
         self._capabilities = device_capabilities()
-        geometry = average_hand(twin.hand_length_m, twin.side)
-        self._hand = build_model(geometry, who, self._capabilities.q_min_rad, self._capabilities.q_max_rad)
+        low, high = self._capabilities.q_min_rad, self._capabilities.q_max_rad
+        geometry = patient_hand(twin)
+        self._straps = strap_rows(twin, geometry, DRIVEN, low, high)
+        self._hand = build_model(geometry, who, low, high)
         self._model: Any = self._hand.model
         self._data: Any = mujoco.MjData(self._model)
         self._qpos: Float64 = self._data.qpos
         self._qvel: Float64 = self._data.qvel
         self._force: Float64 = self._data.qfrc_applied
-        self._qpos[self._hand.hand] = self._hand.rest_rad
-        self._qpos[self._hand.robot] = self._qpos[self._hand.worn]
-        self._rotor_damping: Float64 = self._model.dof_damping[self._hand.robot].copy()
-        self.patient = PatientEffort(who, self._qpos[self._hand.worn].copy(), rng)
-        self._faults = FaultInjector(faults)
-        self._rng = rng
-        self._noise = _noise(rng)
-        self._command: DeviceCommand | None = None
-        self._powered = False
+        self._lengths: Float64 = self._model.tendon_lengthspring
+        self._places: Int64 = np.array([self._hand.robot, self._hand.worn])
+        self._motors = Motors(self._model, self._hand.robot)
+        self._noise = SensorNoise(rng, len(DRIVEN))
+        self._sensors = self._noise.clean.copy()
+        self._faults = FaultInjector(faults, DRIVEN)
+        self._faults.turn_sensors(0.0, self._sensors)
+        self._seat()
+        rest = self._qpos[self._hand.worn].copy()
+        self.patient = PatientEffort(who, rest, rng, self._all_spasms(twin))
         self._tau_nm = np.zeros(len(DRIVEN))
-        self._temperature_c = _AMBIENT_C
         self._ticks = 0
         self._t_ns = 0
+        self._compile()
 
     @property
     def capabilities(self) -> Capabilities:
@@ -119,48 +112,57 @@ class SimulatedExoskeleton:
         """True speeds of the patient's 21 joints, (21,); not a sensor."""
         return self._qvel[self._hand.hand].copy()
 
+    @property
+    def landmarks_m(self) -> Float64:
+        """True digit landmarks in the palm frame, by the engine's own kinematics, LANDMARKS[:20], (20, 3)."""
+        return hand_landmarks(self._hand, self.hand_rad)
+
     def open(self) -> None:
         """Connect; the motors stay unpowered."""
         self.power_off()
 
     def read(self) -> DeviceState:
-        """The state after the last period, with sensor noise."""
-        hand, noise = self._hand, self._noise[self._ticks % _NOISE_ROWS]
-        q, dq = self._qpos[hand.robot], self._qvel[hand.robot]
-        stretch, rate = q - self._qpos[hand.worn], dq - self._qvel[hand.worn]
+        """The state after the last period, with sensor noise.
+
+        Raises:
+            OSError: A fault of the line is planted.
+        """
+        t_s = self._ticks * PERIOD_S
+        self._faults.check_line("read-error", t_s)
+        q, second, speed, interaction = self._sensed()
         state = DeviceState(
-            t_ns=self._t_ns,
-            seq=self._ticks,
-            q_rad=q + noise[0],
-            q_second_rad=q + noise[1],
-            dq_rad_s=dq + noise[2],
-            tau_nm=self._tau_nm,
-            tau_interaction_nm=STRAP_STIFFNESS_NM_RAD * stretch + STRAP_DAMPING_NMS_RAD * rate,
-            temperature_c=self._temperature_c,
-            faults=(),
+            self._t_ns,
+            self._ticks,
+            q,
+            second,
+            speed,
+            self._tau_nm.copy(),
+            interaction,
+            self._motors.temperature_c,
+            (),
         )
-        return self._faults.reading(state, self._ticks * PERIOD_S)
+        return self._faults.reading(state, t_s)
 
     def write(self, command: DeviceCommand) -> None:
-        """Apply a command from now on; without power it has no effect."""
-        if self._command is None:
-            self._model.dof_damping[self._hand.robot] = self._rotor_damping
-        self._command = command
+        """Apply a command from now on; without power it has no effect.
+
+        Raises:
+            OSError: A fault of the line is planted.
+        """
+        self._faults.check_line("write-error", self._ticks * PERIOD_S)
+        self._motors.obey(command)
 
     def enable(self) -> None:
         """Power the motors; they do nothing until the first command."""
-        self._powered = True
+        self._motors.enable()
 
     def brake(self, damping_nms_rad: float) -> None:
         """Short the motors through a resistance: damping without a goal, inside the physics and so stable."""
-        self._command = None
-        self._model.dof_damping[self._hand.robot] = self._rotor_damping + damping_nms_rad
+        self._motors.brake(damping_nms_rad)
 
     def power_off(self) -> None:
         """Cut motor power and release the brake: the joints are free."""
-        self._powered = False
-        self._command = None
-        self._model.dof_damping[self._hand.robot] = self._rotor_damping
+        self._motors.power_off()
 
     def clear_faults(self) -> None:
         """Clear device faults; a planted fault comes back while its cause lasts."""
@@ -175,45 +177,48 @@ class SimulatedExoskeleton:
         Args:
             t_ns: Time to stamp it with on the loop's clock; by default one period after the last.
         """
-        hand = self._hand
-        q, dq = self._qpos[hand.robot], self._qvel[hand.robot]
-        self._tau_nm = self._motor_nm(q, dq)
-        self._force[hand.robot] = self._tau_nm
-        self._force[hand.worn] = 0.0
-        muscles = self.patient.torque_nm(self._qpos[hand.worn], self._qvel[hand.worn])
-        if muscles is not None:
-            self._force[hand.worn] = muscles
-        spasm = self._faults.torque_nm(self._ticks * PERIOD_S)
-        if spasm is not None:
-            self._force[hand.worn] += spasm
+        self._push(self.patient.pull(self._qpos, self._qvel, self._places[1]))
         mujoco.mj_step(self._model, self._data)
         self._ticks += 1
         self._t_ns = self._t_ns + PERIOD_NS if t_ns is None else t_ns
-        if self._ticks % _NOISE_ROWS == 0:
-            self._noise = _noise(self._rng)
-        if self._ticks % 100 == 0:
-            self._warm(0.1)
+        self._faults.turn_sensors(self._ticks * PERIOD_S, self._sensors)
+        self._noise.advance(self._ticks)
+        if self._ticks % _WARM_TICKS == 0:
+            self._motors.warm(self._tau_nm, _WARM_TICKS * PERIOD_S)
 
-    def _motor_nm(self, q_rad: Float64, dq_rad_s: Float64) -> Float64:
-        """The device's own impedance loop, within its motors' cap."""
-        command = self._command
-        if command is None or not self._powered:
-            return np.zeros(len(DRIVEN))
-        tau = command.tau_ff_nm
-        if command.mode == CommandMode.IMPEDANCE:
-            tau = (
-                tau
-                + command.stiffness_nm_rad * (command.q_rad - q_rad)
-                + command.damping_nms_rad * (command.dq_rad_s - dq_rad_s)
-            )
-        return np.minimum(np.maximum(tau, -_MOTOR_CAP_NM), _MOTOR_CAP_NM)
+    def _push(self, muscles_nm: Float64) -> None:
+        push(
+            self._qpos,
+            self._qvel,
+            self._places,
+            self._motors.told,
+            self._sensors,
+            self._straps,
+            self._ticks * PERIOD_S,
+            MOTOR_CAP_NM,
+            muscles_nm,
+            self._tau_nm,
+            self._force,
+            self._lengths,
+        )
 
-    def _warm(self, seconds: float) -> None:
-        loss = _HEATING_K_PER_NM2_S * float(np.abs(self._tau_nm).max()) ** 2
-        self._temperature_c += seconds * (loss - _COOLING_PER_S * (self._temperature_c - _AMBIENT_C))
+    def _sensed(self) -> Float64:
+        read = np.empty((4, len(DRIVEN)))
+        t_s, noise = self._ticks * PERIOD_S, self._noise.now(self._ticks)
+        sense(self._qpos, self._qvel, self._places, self._straps, t_s, self._sensors, noise, read)
+        return read
 
+    def _compile(self) -> None:
+        """Have the machine code ready before the first tick; every tick overwrites what these calls set."""
+        self._push(np.zeros(len(DRIVEN)))
+        self._sensed()
 
-def _noise(rng: np.random.Generator) -> Float64:
-    """Sensor noise of the next rows: first sensor, second sensor, speed, (rows, 3, 12)."""
-    std = np.array([_ENCODER_STD_RAD, _SECOND_SENSOR_STD_RAD, _SPEED_STD_RAD_S])
-    return rng.standard_normal((_NOISE_ROWS, 3, len(DRIVEN))) * std[:, None]
+    def _seat(self) -> None:
+        """The hand at rest, every link where its strap is not strained."""
+        hand = self._hand
+        self._qpos[hand.hand] = hand.rest_rad
+        self._qpos[hand.robot] = seated_rad(self._straps, self._qpos[hand.worn])
+
+    def _all_spasms(self, twin: PatientTwin) -> Float64:
+        planted = spasm_rows(self._faults.spasms, DRIVEN, np.ones(len(DRIVEN)))
+        return np.vstack([patient_spasms(twin.spasms), planted])

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from robot_iface.errors import Refused
-from robot_iface.types import FINGERS, JOINTS, Float64
+from robot_iface.types import FINGERS, JOINTS, Float64, PatientTwin
 
+STIFFNESS_NM_RAD = (0.01, 1.5)
+"""Passive MCP stiffness that a record may state; hands of MAS 1+ to 3 are sampled from .03 to .9."""
 Will = Literal["none", "follow", "slack", "resist"]
 
 
@@ -28,6 +30,12 @@ class VirtualPatient:
             (shape after Kamper & Rymer 2000; size assumed).
         tremor_nm: Amplitude of a 5 Hz tremor torque at the MCP joints.
         flexed: Rests with the fingers drawn in, as a spastic hand does.
+        block_rad: Contracture: how far from rest a flexion joint can be extended before its tissue ends; 0
+            for no such end within the device's range.
+        block_nm_rad: Stiffness beyond that end.
+        clonus_nm: Largest torque of the 5 to 7 Hz beats that a fast stretch sets off (size assumed).
+        tires_j: Work of the muscles, in J over the whole hand, that brings ability down to 37 %; infinite for
+            a patient who does not tire (size assumed).
     """
 
     stiffness_nm_rad: float
@@ -37,6 +45,10 @@ class VirtualPatient:
     spasticity_nms_rad: float = 0.0
     tremor_nm: float = 0.0
     flexed: bool = False
+    block_rad: float = 0.0
+    block_nm_rad: float = 0.0
+    clonus_nm: float = 0.0
+    tires_j: float = float("inf")
 
     def rest_rad(self) -> Float64:
         """The hand at rest, in the order of JOINTS, shape (21,)."""
@@ -60,9 +72,19 @@ _KINDS: dict[str, VirtualPatient] = {
     "mas1+": VirtualPatient(0.090, ability=0.3, will="follow", spasticity_nms_rad=0.03, flexed=True),
     "mas2": VirtualPatient(0.520, ability=0.3, will="follow", spasticity_nms_rad=0.06, flexed=True),
     "mas3": VirtualPatient(0.640, ability=0.15, will="follow", spasticity_nms_rad=0.10, flexed=True),
-    "contracture": VirtualPatient(0.30, ability=0.6, will="follow", flexed=True),
-    "clonus": VirtualPatient(0.090, ability=0.3, will="follow", spasticity_nms_rad=0.06, flexed=True),
-    "tiring": VirtualPatient(0.040, ability=0.7, will="slack"),
+    "contracture": VirtualPatient(
+        0.30,
+        damping_nms_rad=0.004,
+        ability=0.6,
+        will="follow",
+        flexed=True,
+        block_rad=float(np.deg2rad(25.0)),
+        block_nm_rad=4.0,
+    ),
+    "clonus": VirtualPatient(
+        0.090, ability=0.3, will="follow", spasticity_nms_rad=0.06, flexed=True, clonus_nm=0.08
+    ),
+    "tiring": VirtualPatient(0.040, ability=0.7, will="follow", tires_j=0.6),
     "tremor": VirtualPatient(0.040, ability=0.7, will="follow", tremor_nm=0.03),
     "slacking": VirtualPatient(0.040, ability=0.6, will="slack"),
     "resisting": VirtualPatient(0.040, ability=0.2, will="resist"),
@@ -78,6 +100,22 @@ def virtual_patient(kind: str) -> VirtualPatient:
     if kind not in _KINDS:
         raise Refused("virtual patient", repr(kind), "one of " + ", ".join(_KINDS), "choose one of these")
     return _KINDS[kind]
+
+
+def patient_of(twin: PatientTwin) -> VirtualPatient:
+    """The virtual patient of a record: that of its kind, with the stiffness that was measured.
+
+    Raises:
+        Refused: There is no such kind, or no hand is so soft or so stiff.
+    """
+    patient = virtual_patient(twin.kind)
+    if twin.stiffness_nm_rad == 0.0:
+        return patient
+    low, high = STIFFNESS_NM_RAD
+    if not low <= twin.stiffness_nm_rad <= high:
+        value, bound = f"{twin.stiffness_nm_rad:g} Nm/rad", f"{low:g} to {high:g} Nm/rad"
+        raise Refused("stiffness of the MCP joint", value, bound, "measure it again, or leave it at 0")
+    return replace(patient, stiffness_nm_rad=twin.stiffness_nm_rad)
 
 
 def _finger(joint: str) -> str:

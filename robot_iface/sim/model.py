@@ -3,7 +3,9 @@
 Two trees stand in one world whose frame is the palm. The hand is the kinematic chain of
 ``robot_iface.kinematics`` joint by joint. The exoskeleton has links and rotors of its own, laid along the
 back of the digits; a spring-damper (a fixed tendon with coefficients +1 and -1: straps and soft tissue) joins
-each driven joint to the patient's, and the force in it is the interaction torque.
+each driven joint to the patient's, and the force in it is the interaction torque. Axes that do not meet, and
+straps that slip, change the rest lengths of the tendons (``robot_iface.sim.kernels``). Digits and palm have
+skin and touch one another (``robot_iface.sim.skin``).
 
 There is no gravity: the forearm rests mid-prone, so that fingers open and close in a horizontal plane, and an
 orientation that nobody has measured would otherwise add a load that nobody has ordered.
@@ -18,7 +20,10 @@ import numpy as np
 
 from robot_iface.kinematics import DIP_PER_PIP, HandGeometry
 from robot_iface.sim.engine import mujoco
+from robot_iface.sim.kernels import STRAP_DAMPING_NMS_RAD, STRAP_STIFFNESS_NM_RAD
 from robot_iface.sim.kinds import VirtualPatient
+from robot_iface.sim.muscles import PERIOD_S
+from robot_iface.sim.skin import add_bone_skin, add_palm_skin, bone_radius_m, soften
 from robot_iface.types import DIGITS, FINGERS, JOINTS, LANDMARKS, Float64, Int64
 
 DRIVEN: tuple[str, ...] = (
@@ -27,16 +32,12 @@ DRIVEN: tuple[str, ...] = (
 )
 """The 12 joints that the exoskeleton drives."""
 
-PERIOD_S = 0.001
-STRAP_STIFFNESS_NM_RAD = 5.0
-STRAP_DAMPING_NMS_RAD = 0.02
 ROTOR_INERTIA_KG_M2 = 3e-4
 _LINK_MASS_KG = 0.004
 _LINK_DORSAL_M = 0.014  # exoskeleton links lie this far behind the bones
 _STOP_BEYOND_RAD = float(np.deg2rad(3.0))  # mechanical stops stand this far outside the device's range
 _TISSUE_INERTIA_KG_M2 = 2e-5  # soft tissue and tendons that move with a joint
 _TISSUE_DENSITY_KG_M3 = 1100.0
-_DIGIT_RADIUS_PER_LENGTH = 0.045
 _COUPLING_STIFFNESS_NM_RAD = 2.0
 _COUPLING_DAMPING_NMS_RAD = 0.004
 _UNDRIVEN_STIFFNESS_NM_RAD = 0.3
@@ -57,7 +58,8 @@ class HandModel:
         model: The compiled ``mujoco.MjModel``.
         hand: Address in qpos and qvel of the 21 joints of the hand, in the order of JOINTS, (21,).
         robot: Address of the exoskeleton's joints, in the order of DRIVEN, (12,).
-        worn: Address of the patient's joints that DRIVEN names, (12,).
+        worn: Address of the patient's joints that DRIVEN names, (12,). The straps are the model's first 12
+            tendons, in the same order.
         rest_rad: The hand at rest, in the order of JOINTS, (21,).
     """
 
@@ -84,7 +86,8 @@ def build_model(
     spec.option.timestep = PERIOD_S
     spec.option.gravity = [0.0, 0.0, 0.0]
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    soften(spec)
+    add_palm_skin(spec, geometry)
     rest = patient.rest_rad()
     for digit in range(5):
         _add_digit(spec, geometry, patient, rest, digit)
@@ -127,7 +130,7 @@ def _axis(joint: str, geometry: HandGeometry) -> list[float]:
 
 def _add_digit(spec: Any, geometry: HandGeometry, patient: VirtualPatient, rest: Float64, digit: int) -> None:
     parent, pose = spec.worldbody, _base_pose(geometry, digit)
-    radius = _DIGIT_RADIUS_PER_LENGTH * geometry.length_m
+    radius = bone_radius_m(geometry)
     names = LANDMARKS[4 * digit : 4 * digit + 4]
     for bone, joints in enumerate(_bones(digit)):
         length = float(geometry.bones_m[digit, bone])
@@ -142,6 +145,7 @@ def _add_digit(spec: Any, geometry: HandGeometry, patient: VirtualPatient, rest:
                 damping=[patient.damping_nms_rad, 0.0, 0.0],
                 springref=angle,
             )
+        add_bone_skin(body, geometry, digit, bone)
         body.add_site(name=names[bone])
         parent, pose = body, {"pos": np.array([0.0, 0.0, length])}
     parent.add_site(name=names[3], pos=pose["pos"])

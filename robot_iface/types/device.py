@@ -33,6 +33,8 @@ class Capabilities:
         encoder_std_rad: Standard deviation of a joint reading.
         quick_release: Whether a worn device can be opened by hand at once.
         chain: Whose kinematics its joints follow: the patient's hand inside it, or the robot's own.
+        position_sensors: How many sensors measure each joint; with 1, ``q_second_rad`` repeats ``q_rad`` and
+            no sensor error can be seen.
     """
 
     name: str
@@ -47,6 +49,7 @@ class Capabilities:
     encoder_std_rad: float
     quick_release: bool = False
     chain: Literal["hand", "dlr-hit-ii"] = "hand"
+    position_sensors: int = 2
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,18 @@
 """Who, what and when of a clinic: one SQLite file beside the recordings."""
 
 from sessions.catalogue.catalogue import Catalogue
+from sessions.catalogue.clinical_records import (
+    MAS_GRADES,
+    RANGE_HIGH,
+    RANGE_LOW,
+    TORQUE_LIMIT,
+    AssistanceMemory,
+    ClinicalRecord,
+    DayLimits,
+    FitCheck,
+    LimitChange,
+    ModeUnlock,
+)
 from sessions.catalogue.records import (
     ROLES,
     Approval,
@@ -16,13 +28,23 @@ from sessions.catalogue.records import (
 )
 
 __all__ = [
+    "MAS_GRADES",
+    "RANGE_HIGH",
+    "RANGE_LOW",
     "ROLES",
+    "TORQUE_LIMIT",
     "Approval",
+    "AssistanceMemory",
     "AuditRow",
     "CameraCalibration",
     "Catalogue",
+    "ClinicalRecord",
+    "DayLimits",
     "Exercise",
+    "FitCheck",
     "Hand",
+    "LimitChange",
+    "ModeUnlock",
     "Patient",
     "PrescriptionRow",
     "Take",

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sessions.catalogue.calibrations import Calibrations
+from sessions.catalogue.clinical import Clinical
 from sessions.catalogue.engine import open_engine
 from sessions.catalogue.people import People
 from sessions.catalogue.takes import Takes
@@ -17,8 +18,8 @@ from sessions.errors import Refused
 FILE = "clinic.sqlite3"
 
 
-class Catalogue(People, Takes, Therapy, Calibrations, Trail):
-    """Users, patients, exercises, takes, approvals, orders, sessions, cameras, hands and the audit."""
+class Catalogue(People, Takes, Therapy, Clinical, Calibrations, Trail):
+    """People and what is known of them, takes, orders, limits, sessions, cameras, hands and the audit."""
 
     @classmethod
     def open(cls, folder: Path, url: str = "", clock_ns: Callable[[], int] = time.time_ns) -> Catalogue:

@@ -74,7 +74,7 @@ class Patient:
                 "0.1 to 0.3 m",
                 "measure from the wrist crease to the tip of the middle finger",
             )
-        if self.birth_date and not _is_date(self.birth_date):
+        if self.birth_date and not is_date(self.birth_date):
             raise Refused(
                 "birth date", repr(self.birth_date), "a date as YYYY-MM-DD", "correct it or leave it empty"
             )
@@ -107,6 +107,9 @@ class Take:
         duration_s: Length.
         subject_id: Pseudonym of the person whose hand it is.
         parent: Id of the take this one was retouched from, empty if none.
+        author: Who retouched it, empty if nobody.
+        reason: Why.
+        retouch: JSON of what was done to the parent, empty if nothing.
         created_utc_ns: When it was added.
     """
 
@@ -119,6 +122,9 @@ class Take:
     duration_s: float
     subject_id: str
     parent: str = ""
+    author: str = ""
+    reason: str = ""
+    retouch: str = ""
     created_utc_ns: int = 0
 
 
@@ -152,6 +158,8 @@ class PrescriptionRow:
         repetitions: How many times.
         stiffness_multiple: Stiffness as a multiple of the thesis gains.
         limits: JSON of the limits that hold.
+        content: JSON of the whole prescription; empty of those made before it was kept.
+        by: Who ordered it, likewise.
         created_utc_ns: When it was added.
     """
 
@@ -163,6 +171,8 @@ class PrescriptionRow:
     repetitions: int
     stiffness_multiple: float
     limits: str = ""
+    content: str = ""
+    by: str = ""
     created_utc_ns: int = 0
 
 
@@ -173,7 +183,7 @@ class TherapySession:
     Attributes:
         id: Short id, as of a take.
         patient: Pseudonym, empty where no patient was named.
-        take: Id of the take that was played.
+        take: Id of the take that was played, empty of a run without one, such as a guided assessment.
         sha256: SHA-256 of the file.
         path: Path relative to the clinic folder.
         mode: Therapy mode.
@@ -182,7 +192,7 @@ class TherapySession:
 
     id: str = ""
     patient: str = ""
-    take: str
+    take: str = ""
     sha256: str
     path: str
     mode: str
@@ -262,7 +272,8 @@ class AuditRow:
     hash: str
 
 
-def _is_date(text: str) -> bool:
+def is_date(text: str) -> bool:
+    """Whether a text is a date as YYYY-MM-DD."""
     try:
         date.fromisoformat(text)
     except ValueError:

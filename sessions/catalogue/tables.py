@@ -68,6 +68,9 @@ class TakeRow(Table):
     duration_s: Mapped[float]
     subject_id: Mapped[str] = mapped_column(String(60))
     parent: Mapped[str | None] = mapped_column(ForeignKey("takes.id"))
+    author: Mapped[str] = mapped_column(String(120))
+    reason: Mapped[str] = mapped_column(Text)
+    retouch: Mapped[str] = mapped_column(Text)
     created_utc_ns: Mapped[int] = mapped_column(BigInteger)
 
 
@@ -94,6 +97,8 @@ class PrescriptionTableRow(Table):
     repetitions: Mapped[int]
     stiffness_multiple: Mapped[float]
     limits: Mapped[str] = mapped_column(Text)
+    content: Mapped[str] = mapped_column(Text)
+    by: Mapped[str] = mapped_column(String(120))
     created_utc_ns: Mapped[int] = mapped_column(BigInteger)
 
 
@@ -103,7 +108,7 @@ class TherapySessionRow(Table):
     __tablename__ = "therapy_sessions"
     id: Mapped[str] = mapped_column(String(64), primary_key=True)
     patient: Mapped[str | None] = mapped_column(ForeignKey("patients.id"), index=True)
-    take: Mapped[str] = mapped_column(ForeignKey("takes.id"))
+    take: Mapped[str | None] = mapped_column(ForeignKey("takes.id"))
     sha256: Mapped[str] = mapped_column(String(64), unique=True)
     path: Mapped[str] = mapped_column(Text, unique=True)
     mode: Mapped[str] = mapped_column(String(20))
@@ -131,6 +136,99 @@ class HandRow(Table):
     side: Mapped[str] = mapped_column(String(5))
     protocol: Mapped[str] = mapped_column(String(120))
     content: Mapped[str] = mapped_column(Text)
+    created_utc_ns: Mapped[int] = mapped_column(BigInteger)
+
+
+class ClinicalRecordRow(Table):
+    """What therapy must know of a patient's hand; a version is never changed."""
+
+    __tablename__ = "clinical_records"
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    patient: Mapped[str] = mapped_column(ForeignKey("patients.id"), index=True)
+    diagnosis: Mapped[str] = mapped_column(String(60))
+    event_date: Mapped[str] = mapped_column(String(10))
+    mas: Mapped[str] = mapped_column(String(2))
+    insensate: Mapped[bool]
+    unaware: Mapped[bool]
+    rheumatoid: Mapped[bool]
+    crps: Mapped[bool]
+    hyperextension_allowed: Mapped[bool]
+    bones_m: Mapped[str] = mapped_column(Text)
+    by: Mapped[str] = mapped_column(String(120))
+    created_utc_ns: Mapped[int] = mapped_column(BigInteger)
+
+
+class ModeUnlockRow(Table):
+    """Modes that a therapist unlocked before their date; the newest of a mode counts."""
+
+    __tablename__ = "mode_unlocks"
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    patient: Mapped[str] = mapped_column(ForeignKey("patients.id"), index=True)
+    mode: Mapped[str] = mapped_column(String(20))
+    diagnosis: Mapped[str] = mapped_column(String(60))
+    event_date: Mapped[str] = mapped_column(String(10))
+    unlocked: Mapped[bool]
+    reason: Mapped[str] = mapped_column(Text)
+    by: Mapped[str] = mapped_column(String(120))
+    created_utc_ns: Mapped[int] = mapped_column(BigInteger)
+
+
+class DayLimitsRow(Table):
+    """Limits measured on a patient; a version is never changed."""
+
+    __tablename__ = "day_limits"
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    patient: Mapped[str] = mapped_column(ForeignKey("patients.id"), index=True)
+    side: Mapped[str] = mapped_column(String(5))
+    device: Mapped[str] = mapped_column(String(120))
+    wrist_rad: Mapped[float]
+    content: Mapped[str] = mapped_column(Text)
+    measured_utc_ns: Mapped[int] = mapped_column(BigInteger)
+    expires_utc_ns: Mapped[int] = mapped_column(BigInteger)
+    by: Mapped[str] = mapped_column(String(120))
+
+
+class LimitChangeRow(Table):
+    """Limits of single joints that a person set; a version is never changed."""
+
+    __tablename__ = "limit_changes"
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    patient: Mapped[str] = mapped_column(ForeignKey("patients.id"), index=True)
+    device: Mapped[str] = mapped_column(String(120))
+    joint: Mapped[str] = mapped_column(String(40))
+    limit: Mapped[str] = mapped_column(String(30))
+    value: Mapped[float]
+    expires_utc_ns: Mapped[int] = mapped_column(BigInteger)
+    reason: Mapped[str] = mapped_column(Text)
+    by: Mapped[str] = mapped_column(String(120))
+    created_utc_ns: Mapped[int] = mapped_column(BigInteger)
+
+
+class AssistanceMemoryRow(Table):
+    """Assistance that sessions ended with; a version is never changed."""
+
+    __tablename__ = "assistance_memories"
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    patient: Mapped[str] = mapped_column(ForeignKey("patients.id"), index=True)
+    exercise: Mapped[str] = mapped_column(String(120))
+    device: Mapped[str] = mapped_column(String(120))
+    content: Mapped[str] = mapped_column(Text)
+    session: Mapped[str] = mapped_column(ForeignKey("therapy_sessions.id"))
+    created_utc_ns: Mapped[int] = mapped_column(BigInteger)
+
+
+class FitCheckRow(Table):
+    """Fit checks; a version is never changed."""
+
+    __tablename__ = "fit_checks"
+    id: Mapped[int] = mapped_column(primary_key=True, init=False)
+    patient: Mapped[str] = mapped_column(ForeignKey("patients.id"), index=True)
+    side: Mapped[str] = mapped_column(String(5))
+    device: Mapped[str] = mapped_column(String(120))
+    content: Mapped[str] = mapped_column(Text)
+    verdict: Mapped[str] = mapped_column(Text)
+    session: Mapped[str] = mapped_column(ForeignKey("therapy_sessions.id"))
+    by: Mapped[str] = mapped_column(String(120))
     created_utc_ns: Mapped[int] = mapped_column(BigInteger)
 
 

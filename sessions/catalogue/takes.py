@@ -49,6 +49,9 @@ class Takes(Ledger):
                 take.duration_s,
                 take.subject_id,
                 parent,
+                take.author,
+                take.reason,
+                take.retouch,
                 self._clock_ns(),
             )
             refuse_path(session.scalar(select(TakeRow.id).where(TakeRow.path == path)), path)

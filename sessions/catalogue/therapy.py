@@ -28,6 +28,8 @@ class Therapy(Ledger):
                 prescription.repetitions,
                 prescription.stiffness_multiple,
                 prescription.limits,
+                prescription.content,
+                prescription.by,
                 self._clock_ns(),
             )
             session.add(row)
@@ -62,7 +64,7 @@ class Therapy(Ledger):
             row = TherapySessionRow(
                 given,
                 patient_row(session, therapy.patient).id if therapy.patient else None,
-                take_row(session, therapy.take).id,
+                take_row(session, therapy.take).id if therapy.take else None,
                 therapy.sha256,
                 path,
                 therapy.mode,

@@ -83,6 +83,13 @@ def _read(recording: Recording) -> tuple[_Read, list[Metric]]:
                 "report it as a take, or play the take again",
             )
     phases = read_phases(recording)
+    if not np.isin(phases.phase, ACTIVE_PHASES).any():
+        raise Refused(
+            f"session {recording.header.session_id[:8]}",
+            "without a repetition",
+            "a session in which a movement was repeated",
+            "look at it with rehab-app info, or report another session",
+        )
     patient, source = _patient(recording)
     origin = Origin(recording.sha256, source)
     t_ns, stiffness = read_stiffness(recording, phases)

@@ -6,16 +6,21 @@ from typing import Any
 
 import pytest
 
-from robot_iface.loop import RealTimeClock, SimulatedClock
+from robot_iface.loop import PacedSimulatedClock, RealTimeClock, SimulatedClock
 
 PERIOD_NS = 2_000_000
 
 
-@pytest.fixture(params=["simulated", "real"])
+CLOCKS = {
+    "simulated": lambda: SimulatedClock(PERIOD_NS, lambda: None),
+    "paced": lambda: PacedSimulatedClock(PERIOD_NS, lambda: None),
+    "real": lambda: RealTimeClock(PERIOD_NS),
+}
+
+
+@pytest.fixture(params=sorted(CLOCKS))
 def clock(request: Any) -> Any:
-    return (
-        SimulatedClock(PERIOD_NS, lambda: None) if request.param == "simulated" else RealTimeClock(PERIOD_NS)
-    )
+    return CLOCKS[request.param]()
 
 
 def test_time_never_goes_back_and_each_tick_passes(clock: Any) -> None:
@@ -42,3 +47,8 @@ def test_lateness_figures_are_ordered(clock: Any) -> None:
         clock.wait_next_tick()
     assert 0 <= clock.late_ns(50.0) <= clock.late_ns(99.0)
     assert clock.overruns >= clock.overruns_in_row >= 0
+
+
+def test_it_tells_its_scheduling(clock: Any) -> None:
+    assert clock.scheduling
+    assert isinstance(clock.scheduling, str)

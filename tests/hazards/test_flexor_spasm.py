@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -39,15 +40,16 @@ def supervised(rigid: Any, effort: Callable[[float], float], speed_rad_s: float,
     return rig
 
 
-def unsupervised_peak_rad_s(
-    rigid: Any, effort: Callable[[float], float], speed_rad_s: float, seconds: float
-) -> float:
-    """The same law, bounded by the motors alone."""
-    hand = rigid.RigidHand(effort=effort, **HAND)
+@functools.cache
+def unsupervised(
+    rigid: Any, size_nm: float, duration_s: float, clonus_hz: float, speed_rad_s: float
+) -> tuple[float, float]:
+    """Peak speed and peak interaction torque with the same law, bounded by the motors alone."""
+    hand = rigid.RigidHand(effort=spasm(size_nm, duration_s, clonus_hz), **HAND)
     gains = thesis_gains(rigid.NAMES).scaled(3.0)
-    goal, speeds = hand.q.copy(), []
+    goal, speeds, loads = hand.q.copy(), [], []
     hand.enable()
-    for tick in range(round((SPASM_AT_S + seconds) / rigid.PERIOD_S)):
+    for tick in range(round((SPASM_AT_S + duration_s) / rigid.PERIOD_S)):
         speed = speed_rad_s if tick >= 54 else 0.0
         goal = goal + speed * rigid.PERIOD_S
         torque = gains.stiffness_nm_rad * (goal - hand.q) + gains.damping_nms_rad * (speed - hand.dq)
@@ -56,31 +58,67 @@ def unsupervised_peak_rad_s(
         hand.write(DeviceCommand(CommandMode.TORQUE, zeros, zeros, torque, zeros, zeros, 0))
         hand.step()
         speeds.append(np.abs(hand.dq).max())
-    return float(np.max(speeds))
+        loads.append(np.abs(hand.tau - rigid.ROTOR * hand.ddq).max())
+    return float(np.max(speeds)), float(np.max(loads))
+
+
+MAP = [
+    *((size, duration, 0.0) for size in (0.1, 0.2, 0.3, 0.5, 0.7, 0.9) for duration in (0.1, 0.5, 3.0)),
+    *((size, 2.0, beat) for size in (0.1, 0.3, 0.9) for beat in (5.0, 6.0, 7.0)),
+]
+"""Amplitude Nm, duration s, frequency of a clonus Hz."""
 
 
 @pytest.mark.parametrize("phase", [OPENING, CLOSING], ids=["opening", "closing"])
-@pytest.mark.parametrize("duration_s", [0.1, 0.5, 1.0])
-@pytest.mark.parametrize("size_nm", [0.1, 0.3, 0.5, 0.9])
+@pytest.mark.parametrize(("size_nm", "duration_s", "clonus_hz"), MAP)
 def test_the_supervisor_never_makes_a_spasm_worse(
-    rigid: Any, size_nm: float, duration_s: float, phase: float
+    rigid: Any, size_nm: float, duration_s: float, clonus_hz: float, phase: float
 ) -> None:
-    """Peak speed under power is no higher than with the law and the motors alone."""
-    effort = spasm(size_nm, duration_s)
-    rig = supervised(rigid, effort, phase, duration_s)
+    """Peak speed under power is no higher than with the law and the motors alone.
+
+    What slows a spasm down loads the hand: the peak torque is no higher either, but for what damping a hand
+    costs that it would else let fly (a third more in the worst place of the map, a spasm of 0.2 Nm that helps
+    the closing; there it is 0.17 against 0.13 Nm).
+    """
+    rig = supervised(rigid, spasm(size_nm, duration_s, clonus_hz), phase, duration_s)
     powered = [state for state, outcome in zip(rig.states, rig.outcomes, strict=True) if outcome.powered]
-    peak = float(np.abs([state.dq_rad_s for state in powered[rig.spasm_tick :]]).max())
-    assert peak <= 1.02 * unsupervised_peak_rad_s(rigid, effort, phase, duration_s)
+    after = powered[rig.spasm_tick :]
+    speed, torque = unsupervised(rigid, size_nm, duration_s, clonus_hz, phase)
+    assert float(np.abs([state.dq_rad_s for state in after]).max()) <= 1.02 * speed
+    assert float(np.abs([state.tau_interaction_nm for state in after]).max()) <= 1.35 * torque
     if size_nm > 0.25:
         assert rig.supervisor.state in (SafetyState.COMPLIANT, SafetyState.CAT1)
+        assert float(np.abs([state.dq_rad_s for state in after]).max()) <= 0.5 * speed
 
 
-@pytest.mark.parametrize("frequency_hz", [5.0, 6.0, 7.0])
-def test_clonus_is_followed_damped(rigid: Any, frequency_hz: float) -> None:
-    effort = spasm(0.3, 2.0, frequency_hz)
-    rig = supervised(rigid, effort, OPENING, 2.0)
-    peak = float(np.abs([state.dq_rad_s for state in rig.states[rig.spasm_tick :]]).max())
-    assert peak < 0.6 * unsupervised_peak_rad_s(rigid, effort, OPENING, 2.0)
+@pytest.mark.parametrize("phase", [OPENING, CLOSING], ids=["opening", "closing"])
+@pytest.mark.parametrize(("size_nm", "duration_s", "clonus_hz"), MAP)
+def test_no_spring_opens_a_hand_that_closes_once_the_supervisor_acts(
+    rigid: Any, size_nm: float, duration_s: float, clonus_hz: float, phase: float
+) -> None:
+    """From reversal or yielding on, what opposes a closing hand is damping and nothing else."""
+    rig = supervised(rigid, spasm(size_nm, duration_s, clonus_hz), phase, min(duration_s, 1.0))
+    for state, outcome in zip(rig.states, rig.outcomes, strict=True):
+        if not outcome.reversing and outcome.safety_state < SafetyState.COMPLIANT:
+            continue
+        command = outcome.applied
+        spring = command.stiffness_nm_rad * (command.q_rad - state.q_rad) + command.tau_ff_nm
+        closes = state.dq_rad_s > np.deg2rad(5.0)
+        clamped = np.abs(outcome.applied_tau_nm) < np.abs(outcome.requested_tau_nm)
+        assert np.all(spring[closes & ~clamped] >= -1e-9)
+
+
+def test_a_short_spasm_against_the_opening_is_gone_back_on_and_the_run_goes_on(rigid: Any) -> None:
+    rig = supervised(rigid, spasm(0.1, 0.1), OPENING, 2.0)
+    assert rig.causes() == ["reversal"]
+    assert rig.supervisor.state is SafetyState.ACTIVE
+    assert sum(outcome.reversed for outcome in rig.outcomes) == 1
+
+
+def test_a_spasm_that_helps_the_closing_is_never_reversed(rigid: Any) -> None:
+    for size_nm in (0.2, 0.3, 0.9):
+        rig = supervised(rigid, spasm(size_nm, 1.0), CLOSING, 1.0)
+        assert not any(outcome.reversing for outcome in rig.outcomes)
 
 
 @pytest.mark.parametrize("phase", [OPENING, CLOSING], ids=["opening", "closing"])

@@ -18,9 +18,9 @@ from robot_iface.safety import Supervisor, shipped_limits
 def test_a_worn_device_that_locks_needs_a_quick_release(
     rigid: Any, unpowered: str, release: bool, accepted: bool
 ) -> None:
-    hand = rigid.RigidHand(unpowered=unpowered)
+    hand = rigid.RigidHand(unpowered=unpowered, quick_release=release)
     limits = shipped_limits(rigid.NAMES, np.zeros(3), np.full(3, 1.6))
-    supervisor = Supervisor(hand, limits, rigid.Button(), rigid.PERIOD_NS, quick_release=release)
+    supervisor = Supervisor(hand, limits, rigid.Button(), rigid.PERIOD_NS)
     if accepted:
         supervisor.start()
         return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -58,12 +59,16 @@ def make_plan(
     stop_at_s: tuple[float, ...] = (),
     rest_s: float = 0.2,
     hold_s: float = 0.2,
+    **ordered: Any,
 ) -> Plan:
+    """A plan within the shipped limits; ``ordered`` are further fields of the prescription."""
     device = device_capabilities()
     return Plan(
         device="exoskeleton",
         path=path or fist(),
-        prescription=Prescription(mode, speed, repetitions, multiple, rest_s=rest_s, hold_s=hold_s),
+        prescription=Prescription(
+            mode, speed, repetitions, multiple, rest_s=rest_s, hold_s=hold_s, **ordered
+        ),
         limits=shipped_limits(DRIVEN, device.q_min_rad, device.q_max_rad, spastic=kind.startswith("mas")),
         twin=PatientTwin(kind, side),
         seed=seed,

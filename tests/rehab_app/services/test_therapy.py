@@ -9,11 +9,12 @@ import pytest
 from rehab_app.access import CONSOLE, Account
 from rehab_app.bootstrap import open_clinic
 from rehab_app.errors import REFUSALS, Refused
+from rehab_app.services.order import Order
 from robot_iface.motion import QuinticPath, check_path
 from sessions.store import verify
 
 AUDITOR = Account("otto", "auditor", "3")
-FAST = {"actor": CONSOLE, "speed": 0.5, "repetitions": 1}
+FAST = Order(speed=0.5, repetitions=1)
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +31,7 @@ def take(approved):
 
 @pytest.fixture(scope="module")
 def played(approved, take):
-    prepared = approved.therapy.plan(take, **FAST)
+    prepared = approved.therapy.plan(take, FAST, actor=CONSOLE)
     return prepared, approved.therapy.rehearse_and_play(prepared, actor=CONSOLE)
 
 
@@ -51,9 +52,13 @@ def test_a_played_take_is_a_sealed_session_with_its_lineage(approved, take, play
 
 def test_the_same_inputs_and_seed_give_the_same_digest(approved, take, played):
     _, first = played
-    again = approved.therapy.rehearse_and_play(approved.therapy.plan(take, **FAST), actor=CONSOLE)
+    again = approved.therapy.rehearse_and_play(
+        approved.therapy.plan(take, FAST, actor=CONSOLE), actor=CONSOLE
+    )
     assert again.digest == first.digest
-    other = approved.therapy.rehearse_and_play(approved.therapy.plan(take, **FAST, seed=1), actor=CONSOLE)
+    other = approved.therapy.rehearse_and_play(
+        approved.therapy.plan(take, replace(FAST, seed=1), actor=CONSOLE), actor=CONSOLE
+    )
     assert other.digest != first.digest
 
 
@@ -79,24 +84,24 @@ def test_another_side_is_mirrored_and_said(approved, take):
     patient = approved.patients.add(
         CONSOLE, given_name="A", family_name="B", birth_date="1950-12-31", side="left", hand_length_m=0.175
     )
-    prepared = approved.therapy.plan(take, patient_id=patient.id, **FAST)
+    prepared = approved.therapy.plan(take, FAST, actor=CONSOLE, patient_id=patient.id)
     assert prepared.plan.side == prepared.geometry.side == prepared.plan.twin.side == "left"
     assert prepared.geometry.length_m == pytest.approx(0.175)
     assert any("mirrored" in note for note in prepared.notes)
-    same = approved.therapy.plan(take, **FAST)
+    same = approved.therapy.plan(take, FAST, actor=CONSOLE)
     np.testing.assert_allclose(prepared.plan.path.q_rad, same.plan.path.q_rad, atol=1e-12)
     assert not any("mirrored" in note for note in same.notes)
 
 
 def test_a_movement_beyond_the_limits_is_slowed_where_it_is_and_said(approved, take):
-    prepared = approved.therapy.plan(take, actor=CONSOLE, speed=1.0, repetitions=1)
+    prepared = approved.therapy.plan(take, Order(speed=1.0, repetitions=1), actor=CONSOLE)
     assert prepared.plan.prescription.speed == 1.0
     assert check_path(QuinticPath(prepared.plan.path), prepared.plan.limits, 1.0, 0.001) is None
     assert any("Slowed locally" in note and "deg/s" in note for note in prepared.notes)
 
 
 def test_every_digit_has_a_budget(approved, take):
-    prepared = approved.therapy.plan(take, **FAST)
+    prepared = approved.therapy.plan(take, FAST, actor=CONSOLE)
     assert set(prepared.budget_m) == {"thumb", "index", "middle", "ring", "little"}
     assert all(0.0 <= value < 0.05 for value in prepared.budget_m.values())
 
@@ -104,23 +109,36 @@ def test_every_digit_has_a_budget(approved, take):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"patient_id": "P-9999"}, "P-9999"),
         ({"device": "toaster"}, "exoskeleton"),
         ({"mode": "dance"}, "one of passive"),
         ({"twin": "zombie"}, "one of healthy"),
         ({"speed": 3.0}, "speed"),
         ({"repetitions": 0}, "repetitions"),
         ({"stiffness_multiple": 99.0}, "stiffness"),
-        ({"actor": AUDITOR}, "may not play"),
+        ({"space": "outer"}, "one of joint, fingertip"),
+        ({"warm_up": -1}, "warm-up"),
+        ({"minutes": float("nan")}, "minutes"),
+        ({"resistance": 1.5}, "resistance"),
+        ({"hold_s": float("inf")}, "hold"),
+        ({"wrist_rad": float("nan")}, "wrist"),
+        ({"wrist_rad": 2.0}, "-80 to 80"),
+        ({"seed": -1}, "seed"),
     ],
 )
 def test_an_order_out_of_bounds_is_refused(approved, take, change, words):
     with pytest.raises(REFUSALS, match=words):
-        approved.therapy.plan(take, **{**FAST, **change})
+        approved.therapy.plan(take, replace(FAST, **change), actor=CONSOLE)
+
+
+def test_an_order_by_or_for_nobody_is_refused(approved, take):
+    with pytest.raises(Refused, match="may not play"):
+        approved.therapy.plan(take, FAST, actor=AUDITOR)
+    with pytest.raises(Refused, match="P-9999"):
+        approved.therapy.plan(take, FAST, actor=CONSOLE, patient_id="P-9999")
 
 
 def test_a_certificate_of_another_plan_is_refused(approved, take):
-    prepared = approved.therapy.plan(take, **FAST)
+    prepared = approved.therapy.plan(take, FAST, actor=CONSOLE)
     certificate = approved.therapy.rehearse(prepared, actor=CONSOLE)
     stiffer = replace(
         prepared,
@@ -135,7 +153,7 @@ def test_a_certificate_of_another_plan_is_refused(approved, take):
 def test_an_unapproved_take_is_refused_before_a_motion_process_exists(tmp_path, take_file):
     with open_clinic(tmp_path) as clinic:
         take = clinic.takes.get(take_file).id
-        prepared = clinic.therapy.plan(take, **FAST)
+        prepared = clinic.therapy.plan(take, FAST, actor=CONSOLE)
         with pytest.raises(Refused, match=f"rehab-app approve {take}"):
             clinic.therapy.rehearse_and_play(prepared, actor=CONSOLE)
         assert list((clinic.folder / "sessions").iterdir()) == []
@@ -145,7 +163,7 @@ def test_an_altered_take_is_refused_although_it_was_approved(tmp_path, take_file
     with open_clinic(tmp_path) as clinic:
         take = clinic.takes.get(take_file).id
         clinic.takes.approve(take, CONSOLE)
-        prepared = clinic.therapy.plan(take, **FAST)
+        prepared = clinic.therapy.plan(take, FAST, actor=CONSOLE)
         path = clinic.takes.get(take).path
         path.write_bytes(path.read_bytes() + b"x")
         with pytest.raises(Refused, match="changed"):

@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from rehab_app.recording.take import HandMotion
-from rehab_app.therapy.reference import BuiltReference, build_reference, whole_hand
+from rehab_app.therapy.reference import BuiltReference, build_reference
+from rehab_app.therapy.reference_place import whole_hand
+from robot_iface.build import capabilities
 from robot_iface.kinematics import average_hand, couple_dip, forward
 from robot_iface.motion import QuinticPath, check_path
-from robot_iface.types import Limits
+from robot_iface.safety import shipped_limits
+from robot_iface.types import Hull, Limits
 from sessions.errors import Refused
 from sessions.records import DIGITS, FINGERS, JOINTS, Status
 from sessions.records.fields import Float64
@@ -66,14 +69,14 @@ def motion(t_s: Float64, joints: Float64, noise_rad: float = 0.0, seed: int = 1)
 
 
 def build(take: HandMotion, limits: Limits = WIDE, **options: Any) -> BuiltReference:
+    order: dict[str, Any] = {"driven_joints": DRIVEN, **options}
     return build_reference(
         take,
         patient_geometry=average_hand(0.175),
         patient_side="left",
-        driven_joints=DRIVEN,
         limits=limits,
         take_digest="0" * 64,
-        **options,
+        **order,
     )
 
 
@@ -197,3 +200,73 @@ def test_what_cannot_be_played_is_refused() -> None:
         build(motion(t_s, short))
     with pytest.raises(Refused, match="5 to 500"):
         build(motion(t_s, joints), jerk_rad_s3=0.0)
+
+
+def test_a_take_is_retargeted_to_a_robot_with_its_own_chain() -> None:
+    t_s, joints = closing(reach_rad=1.4)
+    robot = capabilities("dlr-hit-ii")
+    bounds = shipped_limits(robot.joint_names, robot.q_min_rad, robot.q_max_rad)
+    built = build(motion(t_s, joints), bounds, driven_joints=robot.joint_names, device=robot)
+    assert built.path.joint_names == robot.joint_names
+    assert check_path(QuinticPath(built.path), bounds, built.fastest_speed, 0.001) is None
+    assert set(built.residual_m) == set(DIGITS)
+    assert max(value for digit, value in built.residual_m.items() if digit != "thumb") < 0.012
+    stretched = joints.copy()
+    stretched[:, JOINTS.index("ring_mcp_abduction")] = np.deg2rad(20)
+    notes = build(motion(t_s, stretched), bounds, driven_joints=robot.joint_names, device=robot).notes
+    said = [note for note in notes if "ring_mcp_abduction would be at 20 deg, its end is 15 deg" in note]
+    assert len(said) == 1
+    assert "s of the take" in said[0]
+    with pytest.raises(Refused, match="those of its chain"):
+        build(motion(t_s, joints), bounds, driven_joints=robot.joint_names[::-1], device=robot)
+
+
+def test_a_path_is_pulled_into_what_two_joints_may_share() -> None:
+    t_s, joints = closing(reach_rad=1.2)
+    corners = np.deg2rad([[-5.0, -5.0], [90.0, -5.0], [-5.0, 90.0]])
+    hull = Hull(("index_mcp_flexion", "index_pip"), corners)
+    take = motion(t_s, joints)
+    free, held = build(take), build(take, replace(WIDE, hulls=(hull,)))
+    pair = [DRIVEN.index(name) for name in hull.joints]
+    fine = QuinticPath(held.path).sample(np.linspace(0.0, held.path.t_s[-1], 4000))
+    assert fine[:, pair].sum(axis=1).max() < np.deg2rad(85.0)
+    assert free.path.q_rad[:, pair].sum(axis=1).max() > np.deg2rad(120.0)
+    others = [column for column in range(12) if column not in pair]
+    np.testing.assert_array_equal(held.path.q_rad[:, others], free.path.q_rad[:, others])
+    assert any("is more than these two may bend together: pulled in by" in note for note in held.notes)
+    still = build(take, replace(WIDE, hulls=(Hull(("index_mcp_flexion", "index_pip"), 4.0 * corners),)))
+    np.testing.assert_array_equal(still.path.q_rad, free.path.q_rad)
+
+
+def test_a_take_of_either_side_makes_the_same_path_for_either_patient() -> None:
+    """Hazard 1: mirrored where the side differs, joint angles keep their meaning."""
+    t_s, joints = closing()
+    take = motion(t_s, joints, 0.01)
+    mirrored = replace(take, side="left", geometry=average_hand(side="left"))
+    paths = [
+        build_reference(
+            shown,
+            patient_geometry=average_hand(0.175, side),
+            patient_side=side,
+            driven_joints=DRIVEN,
+            limits=WIDE,
+            take_digest="0" * 64,
+        ).path
+        for shown in (take, mirrored)
+        for side in ("right", "left")
+    ]
+    assert [path.side for path in paths] == ["right", "left", "right", "left"]
+    for path in paths[1:]:
+        np.testing.assert_allclose(path.q_rad, paths[0].q_rad, atol=1e-9)
+
+
+def test_what_is_too_unsteady_for_the_limits_is_smoothed_aloud() -> None:
+    t_s = np.arange(0.0, 8.0, 1 / 30)
+    joints = closing()[1][:1].repeat(t_s.size, axis=0)
+    joints[:, INDEX_PIP] += 0.5 * np.sin(2 * np.pi * 3.0 * t_s)
+    slow = replace(WIDE, extension_speed_rad_s=np.full(12, np.deg2rad(15.0)))
+    built = build(motion(t_s, joints), slow)
+    assert any(
+        note.startswith("As recorded, the movement is too fast or too unsteady") for note in built.notes
+    )
+    assert not any("too unsteady" in note for note in build(motion(*closing()), slow).notes)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from robot_iface.control import AssistAsNeeded, FeedForward
+from robot_iface.control import AssistAsNeeded, FeedForward, learning_share, nominal_gains
 from robot_iface.control.assist import SLOW_RAD_S
 from robot_iface.safety import shipped_limits
 from robot_iface.types import Limits
@@ -207,7 +207,9 @@ def test_running_ahead_is_not_an_error() -> None:
     assist = AssistAsNeeded(NAMES, 1.0, PERIOD_S)
     move(assist, 1.0, -0.5, 0.5)
     assist.finish_repetition()
-    assert np.allclose(assist.by_direction(), 0.8)
+    extension, flexion = assist.by_direction()
+    assert np.allclose(flexion, 0.8)
+    assert np.allclose(extension, 1.0), "where nothing moved nothing was learnt"
 
 
 @pytest.mark.parametrize("cause", ["blocked", "reversed", "painful"])
@@ -236,3 +238,35 @@ def test_a_change_of_direction_never_jumps() -> None:
     rows = [assist.multiple(np.full(3, sign * 0.5)) for sign in (1.0, -1.0, 1.0) for _ in range(2000)]
     assert np.abs(np.diff(rows, axis=0)).max() <= 3.0 * PERIOD_S + 1e-12
     assert np.ptp(rows) > 1.0
+
+
+def soft_spring_errors(share: float) -> list[float]:
+    """RMS errors of a hand that is held by a tenth of the stiffness that learning is told."""
+    learner, errors = FeedForward(DURATION_S, limits(1.0), 1.0, None, share), []
+    for _ in range(12):
+        squares = []
+        for s in np.arange(0.0, DURATION_S, SPEED * 4 * PERIOD_S):
+            target = 0.15 * (1.0 - np.cos(2 * np.pi * s / DURATION_S)) * np.ones(2)
+            error = (0.04 * target - learner.torque(s, MIDDLE)) / (0.09 + 0.04)
+            learner.observe(float(s), error, 0.3)
+            squares.append(error**2)
+        learner.learn(np.full(2, 0.9), SPEED)
+        errors.append(float(np.sqrt(np.mean(squares))))
+    return errors
+
+
+def test_learning_that_makes_it_worse_is_thrown_away_and_slowed() -> None:
+    """Without the guard each error would be four and a half times the last."""
+    errors = np.array(soft_spring_errors(1.0))
+    assert errors.max() < 4.6 * errors[0]
+    assert errors[-1] < 0.5 * errors[0]
+
+
+def test_with_its_share_of_the_stiffness_learning_converges_from_the_first_repetition() -> None:
+    errors = np.array(soft_spring_errors(0.1))
+    assert np.all(np.diff(errors[:6]) < 0.0)
+    assert errors[6] < 0.05 * errors[0]
+    names = ("index_mcp_flexion", "index_pip")
+    least = learning_share(names, "fingertip") * nominal_gains(names, "fingertip").stiffness_nm_rad
+    assert np.allclose(least, 0.03)
+    assert np.all(learning_share(names, "joint") == 1.0)

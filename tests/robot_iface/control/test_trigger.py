@@ -33,7 +33,7 @@ def ramp(rate_deg_s: float, from_s: float, columns=(1.0, 1.0, 0.0)):
 def test_opening_after_the_cue_is_the_patients_start() -> None:
     start, at_s = watch(ramp(-10.0, 0.5), seed=1)
     assert start is Start.PATIENT
-    assert 0.8 < at_s < 1.2, "one degree, the filter and 200 ms"
+    assert 0.8 < at_s < 1.2, "half a degree and 300 ms"
 
 
 @pytest.mark.parametrize(

@@ -130,12 +130,37 @@ def test_an_announced_giant_is_refused() -> None:
     reader.close()
 
 
+def test_a_reader_may_ask_for_short_messages_only() -> None:
+    ours, theirs = socket.socketpair()
+    writer, reader = Wire(ours), Wire(theirs)
+    writer.send(bytes(100))
+    assert reader.receive(0.1, 100) == bytes(100)
+    writer.send(bytes(101))
+    with pytest.raises(Refused, match="at most 100 bytes"):
+        reader.receive(0.1, 100)
+    writer.close()
+    reader.close()
+
+
 def test_the_page_shows_what_was_written() -> None:
     page = SharedPage()
     assert page.read_live().t_ns == 0
     rows = np.arange(12.0)
     sample = LiveSample(
-        7, rows, rows + 1, rows + 2, 1.5, 0.5, 3, "move", "patient", SafetyState.ACTIVE, rows + 3
+        7,
+        rows,
+        rows + 1,
+        rows + 2,
+        1.5,
+        0.5,
+        3,
+        "move",
+        "patient",
+        SafetyState.ACTIVE,
+        rows + 3,
+        0,
+        84_000,
+        2,
     )
     page.write_live(sample)
     assert same(page.read_live(), sample)

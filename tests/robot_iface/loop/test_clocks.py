@@ -1,13 +1,22 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from itertools import pairwise
 from typing import Any
 
 import pytest
 
 from robot_iface import loop
-from robot_iface.loop import RealTimeClock, SimulatedClock, request_realtime_priority
+from robot_iface.loop import (
+    PacedSimulatedClock,
+    RealTimeClock,
+    SimulatedClock,
+    may_run_in_real_time,
+    present_scheduling,
+    request_realtime_priority,
+)
 
 PERIOD_NS = 1_000_000
 
@@ -72,6 +81,7 @@ def test_missed_ticks_are_skipped_and_counted_never_made_up(wall: Wall) -> None:
 
 def test_consecutive_overruns_are_counted_in_a_row(wall: Wall) -> None:
     clock = RealTimeClock(PERIOD_NS)
+    clock.wait_next_tick()
     for count in range(1, 5):
         wall.now += 2_500_000
         clock.wait_next_tick()
@@ -97,3 +107,68 @@ def test_without_permission_the_priority_stays_normal_and_says_so(monkeypatch: A
     )
     monkeypatch.setattr(os, "sched_setscheduler", lambda *_: None)
     assert request_realtime_priority(60) == "SCHED_FIFO, priority 60"
+
+
+ASK = "from robot_iface.loop import *; print(may_run_in_real_time(), request_realtime_priority(), sep='\\n')"
+
+
+def test_permission_is_told_before_it_is_used() -> None:
+    said = subprocess.run([sys.executable, "-c", ASK], check=True, capture_output=True, text=True)
+    permitted, phrase = said.stdout.splitlines()
+    assert phrase.startswith("SCHED_FIFO" if permitted == "True" else "normal scheduling")
+    assert present_scheduling()
+
+
+def test_permission_comes_from_a_limit_or_a_capability(monkeypatch: Any) -> None:
+    monkeypatch.setattr(loop.resource, "getrlimit", lambda _: (99, 99))
+    assert may_run_in_real_time()
+    monkeypatch.setattr(loop.resource, "getrlimit", lambda _: (0, 0))
+    monkeypatch.setattr(loop.Path, "read_text", lambda _: "CapEff:\t0000000000000000\n")
+    assert not may_run_in_real_time()
+    monkeypatch.setattr(loop.Path, "read_text", lambda _: "CapEff:\t0000000000800000\n")
+    assert may_run_in_real_time()
+
+
+def test_opening_a_device_is_no_overrun(wall: Wall) -> None:
+    clock = RealTimeClock(PERIOD_NS)
+    wall.now += 2_000_000_000
+    assert clock.wait_next_tick() == 0
+    assert clock.overruns == 0
+
+
+def test_paced_time_keeps_every_tick_and_tells_how_late_it_was(wall: Wall) -> None:
+    ticks = []
+    clock = PacedSimulatedClock(PERIOD_NS, lambda: ticks.append(1))
+    start, wall.delay_ns = wall.now, 40_000
+    for _ in range(98):
+        assert clock.wait_next_tick() == 40_000
+    wall.now += 5_000_000
+    late = [clock.wait_next_tick() for _ in range(6)]
+    assert late[0] == 4_040_000
+    assert all(a > b for a, b in pairwise(late[:4])), "it does not catch up"
+    assert clock.now_ns() == 104 * PERIOD_NS == len(ticks) * PERIOD_NS
+    assert wall.now - start == 104 * PERIOD_NS + 40_000
+    assert clock.late_ns(50.0) == pytest.approx(40_000, abs=1_000)
+    assert clock.late_ns(100.0) == pytest.approx(4_040_000, abs=1_000)
+    assert clock.overruns == 0
+
+
+def test_after_a_long_stall_the_patient_is_not_rushed(wall: Wall) -> None:
+    clock = PacedSimulatedClock(PERIOD_NS, lambda: None)
+    clock.wait_next_tick()
+    wall.now += 10_000_000_000
+    hurried = 0
+    while clock.wait_next_tick() > 0:
+        hurried += 1
+    assert hurried <= 251
+
+
+def test_a_percentile_is_the_bin_that_reaches_it() -> None:
+    clock = RealTimeClock(PERIOD_NS)
+    assert clock.late_ns(99.0) == 0
+    lateness = loop.Lateness()
+    for late_us in (5, 7, 30_000):
+        lateness.note(late_us * 1000)
+    assert lateness.percentile_ns(33.0) == 6_000
+    assert lateness.percentile_ns(66.0) == 8_000
+    assert lateness.percentile_ns(100.0) == 20_001_000

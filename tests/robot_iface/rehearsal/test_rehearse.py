@@ -133,4 +133,4 @@ def test_a_spastic_hand_that_opens_in_part_is_accepted_and_said_to(make_plan: Ma
 
 def test_another_robot_is_refused_with_those_that_exist(make_plan: MakePlan) -> None:
     with pytest.raises(Refused, match="exoskeleton"):
-        open_rig(replace(make_plan(), device="dlr-hit-ii"))
+        open_rig(replace(make_plan(), device="glove"))

@@ -153,9 +153,9 @@ def test_a_hand_outside_todays_range_is_not_enabled(make_plan: MakePlan, course:
         course(replace(plan, limits=tight))
 
 
-def test_modes_that_are_not_built_are_refused(make_plan: MakePlan, course: Any) -> None:
-    with pytest.raises(Refused, match="passive or assistive"):
-        course(make_plan(mode="resistive"))
+def test_modes_that_do_not_exist_are_refused(make_plan: MakePlan) -> None:
+    with pytest.raises(Refused, match="passive, assistive, transparent, resistive"):
+        make_plan(mode="telepathic")
 
 
 def test_patient_parameters_can_be_given(make_plan: MakePlan, course: Any) -> None:

@@ -34,6 +34,8 @@ class RigidHand:
         effort: Callable[[float], Any] = lambda t_s: 0.0,
         corrupt: Callable[[DeviceState], DeviceState] = lambda state: state,
         unpowered: Any = "free",
+        quick_release: bool = False,
+        late_ticks: int | None = None,
     ) -> None:
         joints = len(NAMES)
         self.q = np.zeros(joints) + q_rad
@@ -46,6 +48,9 @@ class RigidHand:
         self.mode = "off"
         self.brake_damping = 0.0
         self.command: DeviceCommand | None = None
+        self.late_ticks = late_ticks
+        """Delay of torques that the host computes from its readings; None where the device computes them."""
+        self.sent: list[tuple[DeviceCommand, Any, Any]] = []
         self.log: list[str] = []
         self.capabilities = Capabilities(
             name="rigid hand",
@@ -58,6 +63,7 @@ class RigidHand:
             worn=True,
             unpowered=unpowered,
             encoder_std_rad=0.0,
+            quick_release=quick_release,
         )
 
     def open(self) -> None:
@@ -83,6 +89,8 @@ class RigidHand:
         assert self.mode != "off", "a command was written to a device without power"
         self.mode = "command"
         self.command = command
+        if self.late_ticks is not None:
+            self.sent.append((command, self.q.copy(), self.dq.copy()))
 
     def enable(self) -> None:
         self.log.append("enable")
@@ -107,7 +115,9 @@ class RigidHand:
         """Advance by one period, implicitly in every damping."""
         t_s = self.tick * PERIOD_S
         constant, damping = np.zeros(len(NAMES)), np.zeros(len(NAMES))
-        if self.mode == "command" and self.command is not None:
+        if self.mode == "command" and self.late_ticks is not None:
+            constant = self._late_torque(self.late_ticks)
+        elif self.mode == "command" and self.command is not None:
             command = self.command
             constant = command.tau_ff_nm.copy()
             if command.mode is CommandMode.IMPEDANCE:
@@ -127,6 +137,28 @@ class RigidHand:
         self.q = self.q + PERIOD_S * new
         self.tick += 1
 
+    def _late_torque(self, ticks: int) -> Any:
+        """Constant over the tick, from a reading and a command that are this old."""
+        command, q, dq = self.sent[max(len(self.sent) - 1 - ticks, 0)]
+        torque = command.stiffness_nm_rad * (command.q_rad - q) + command.tau_ff_nm
+        return np.clip(torque + command.damping_nms_rad * (command.dq_rad_s - dq), -0.6, 0.6)
+
+
+class FlippedHand(RigidHand):
+    """Both sensors of every joint count the wrong way, and the device's own loop believes them."""
+
+    def read(self) -> DeviceState:
+        state, start = super().read(), self.rest
+        seen = {"q_rad": 2.0 * start - self.q, "q_second_rad": 2.0 * start - self.q, "dq_rad_s": -self.dq}
+        return dataclasses.replace(state, **seen)
+
+    def write(self, command: DeviceCommand) -> None:
+        super().write(command)
+        torque = command.stiffness_nm_rad * (command.q_rad - 2.0 * self.rest + self.q) + command.tau_ff_nm
+        torque = np.clip(torque + command.damping_nms_rad * (command.dq_rad_s + self.dq), -0.6, 0.6)
+        zeros = np.zeros(len(NAMES))
+        self.command = DeviceCommand(CommandMode.TORQUE, zeros, zeros, torque, zeros, zeros, command.seq)
+
 
 class Button:
     def __init__(self) -> None:
@@ -139,8 +171,15 @@ class Button:
 class Rig:
     """Supervisor, impedance law and rigid hand, one cycle at a time."""
 
-    def __init__(self, multiple: float = 3.0, ramp_s: float = 1.0, limits: Any = None, **hand: Any) -> None:
-        self.hand = RigidHand(**hand)
+    def __init__(
+        self,
+        multiple: float = 3.0,
+        ramp_s: float = 1.0,
+        limits: Any = None,
+        device: type[RigidHand] = RigidHand,
+        **hand: Any,
+    ) -> None:
+        self.hand = device(**hand)
         self.button = Button()
         self.limits = limits or shipped_limits(NAMES, np.zeros(3), np.full(3, 1.6))
         self.supervisor = Supervisor(self.hand, self.limits, self.button, PERIOD_NS, ramp_s=ramp_s)
@@ -162,6 +201,8 @@ class Rig:
         goal = Goal(setpoint, np.full(3, self.multiple), np.zeros(3), PathState(0.0, 0.0, 0.0, False))
         request = self.law.command(state, goal, self.supervisor.ramp, self.seq)
         outcome = self.supervisor.write(self.change(request), self.watch)
+        if outcome.reversed:
+            self.goal = state.q_rad.copy()  # what a task does with a hand that is given back
         self.hand.step()
         self.outcomes.append(outcome)
         self.states.append(state)

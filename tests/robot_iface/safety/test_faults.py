@@ -98,7 +98,7 @@ def test_a_joint_more_than_two_degrees_outside_its_range(rigid: Any, joint: int,
     sign = -1.0 if edge == "low" else 1.0
     for degrees, trips in ((1.9, False), (2.1, True)):
         rig.hand.q[joint] = bound[joint] + sign * np.deg2rad(degrees)
-        rig.supervisor._previous = None
+        rig.supervisor._previous, rig.supervisor._continued = None, False
         state = rig.cycle().safety_state
         assert (state is CAT1) == trips
         rig.hand.dq[:] = 0.0

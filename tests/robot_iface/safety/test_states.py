@@ -117,17 +117,9 @@ def test_starting_twice_or_with_foreign_limits_is_refused(rigid: Any) -> None:
     rig.supervisor.start()
     with pytest.raises(Refused, match="READY"):
         rig.supervisor.start()
-    limits = rig.limits
-    short = dataclasses.replace(limits, q_min_rad=limits.q_min_rad[:2])
-    other = rigid.Rig()
+    short = dataclasses.replace(rig.limits, q_min_rad=rig.limits.q_min_rad[:2])
     with pytest.raises(Refused, match="for 2 joints"):
-        type(rig.supervisor).start(_with_limits(rigid, other, short))
-
-
-def _with_limits(rigid: Any, rig: Any, limits: Any) -> Any:
-    supervisor = rig.supervisor
-    supervisor._limits = limits
-    return supervisor
+        rigid.Rig(limits=short)
 
 
 def test_hold_keeps_the_posture_and_its_torque(rigid: Any) -> None:
@@ -242,6 +234,38 @@ def test_a_stretch_is_not_held_against_a_moving_path(rigid: Any) -> None:
     rig = rigid.stretch()
     rig.speed = np.full(3, np.deg2rad(-2.0))
     rig.goal = rig.goal + 1.0
-    rig.law._stiffness = rig.law._stiffness * 0.0 + 1e-6
+    rig.multiple = 1e-6
     rig.run(4000)
     assert "held-stretch" not in rig.causes()
+
+
+@pytest.mark.parametrize(("path_deg_s", "held"), [(0.9, True), (1.1, False)])
+def test_a_load_is_a_held_stretch_only_while_the_path_rests(
+    rigid: Any, path_deg_s: float, held: bool
+) -> None:
+    rig = rigid.Rig(ramp_s=0.05, stiffness=0.0)
+    rig.go_active()
+    rig.hand.corrupt = lambda state: dataclasses.replace(
+        state, tau_interaction_nm=0.6 * rig.limits.tau_interaction_nm
+    )
+    rig.glide(np.deg2rad(path_deg_s), 3.1)
+    assert rig.causes() == (["held-stretch"] if held else [])
+
+
+@pytest.mark.parametrize(("speed_deg_s", "held"), [(4.9, True), (5.1, False)])
+@pytest.mark.parametrize("share", [0.51, 0.49])
+def test_a_stretch_is_held_only_while_the_hand_itself_rests(
+    rigid: Any, share: float, speed_deg_s: float, held: bool
+) -> None:
+    rig = rigid.Rig(ramp_s=0.05)
+    rig.go_active()
+    rig.hand.corrupt = lambda state: dataclasses.replace(
+        state,
+        tau_interaction_nm=-share * rig.limits.tau_interaction_nm,
+        dq_rad_s=np.full(3, np.deg2rad(speed_deg_s)),
+    )
+    rig.supervisor._previous = None
+    rig.run(2990)
+    assert rig.causes() == []
+    rig.run(20)
+    assert rig.causes() == (["held-stretch"] if held and share > 0.5 else [])

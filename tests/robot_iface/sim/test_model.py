@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import mujoco
 import numpy as np
 import pytest
 
 from robot_iface.kinematics import DIP_PER_PIP, JOINT_MAX_RAD, JOINT_MIN_RAD, average_hand, forward
 from robot_iface.sim import DRIVEN, build_model, device_capabilities, hand_landmarks, virtual_patient
+from robot_iface.sim.engine import mujoco
 from robot_iface.sim.model import STRAP_STIFFNESS_NM_RAD
 from robot_iface.types import FINGERS, JOINTS, Side
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robot_iface.errors import Refused
-from robot_iface.sim import DRIVEN, Fault, FaultKind, SimulatedExoskeleton, virtual_patient
+from robot_iface.sim import DRIVEN, Fault, SimulatedExoskeleton, virtual_patient
 from robot_iface.sim.effort import COMMAND_DELAY_TICKS, REFLEX_DELAY_TICKS, PatientEffort
 from robot_iface.types import (
     VIRTUAL_KINDS,
@@ -84,19 +84,18 @@ def test_the_reflex_opposes_fast_extension_late_and_only_then() -> None:
     for speed in speeds.values():
         late = [effort.torque_nm(np.zeros(12), np.full(12, speed)) for _ in range(REFLEX_DELAY_TICKS + 1)]
         torque = late[-1]
-        assert torque is not None
         excess = max(-speed - np.deg2rad(30.0), 0.0)
         assert torque[MCP] == pytest.approx(virtual_patient("mas2").spasticity_nms_rad * excess, abs=1e-12)
 
 
 def test_a_slacking_patient_gives_less_each_time() -> None:
     effort = PatientEffort(virtual_patient("slacking"), np.zeros(12), np.random.default_rng(0))
-    pulls = []
+    pulls: list[float] = []
+    torque = np.zeros(12)
     for _ in range(4):
         effort.cue(np.full((10, 12), 0.3), 0.005, 1.0)
         for _ in range(1500):
             torque = effort.torque_nm(np.zeros(12), np.zeros(12))
-        assert torque is not None
         pulls.append(float(torque[MCP]))
     assert all(later < earlier for earlier, later in itertools.pairwise(pulls))
 
@@ -140,23 +139,3 @@ def test_unpowered_motors_ignore_commands_and_the_brake_only_damps() -> None:
             top = max(top, float(np.abs(robot.hand_speed_rad_s).max()))
         speeds.append(top)
     assert speeds[1] < 0.25 * speeds[0]
-
-
-@pytest.mark.parametrize("kind", ["freeze", "nan", "sensor-offset", "over-temperature", "device-fault"])
-def test_a_planted_fault_comes_and_goes(kind: FaultKind) -> None:
-    fault = Fault(kind, 0.1, 0.1, "index_pip", 0.2)
-    robot = SimulatedExoskeleton(PatientTwin("healthy"), 1, [fault])
-    robot.open()
-    pip = DRIVEN.index("index_pip")
-    for tick in range(300):
-        robot.advance()
-        state = robot.read()
-        there = 100 <= tick + 1 < 200
-        shown = {
-            "freeze": state.seq != tick + 1,
-            "nan": bool(np.isnan(state.q_rad[pip])),
-            "sensor-offset": bool(abs(state.q_rad[pip] - state.q_second_rad[pip]) > 0.1),
-            "over-temperature": state.temperature_c == 0.2,
-            "device-fault": state.faults != (),
-        }[kind]
-        assert shown == there or (kind == "freeze" and tick + 1 == 100)
