@@ -17,6 +17,10 @@ _STATED_TRANSVERSE_DEG = 56.0  # "56 degrees on average for the human hand", sec
 
 def chapter_3() -> tuple[Part, ...]:
     """Tables 3.1 to 3.6, Figures 3.1 to 3.15."""
+    return *_by_glove(), *_by_cameras()
+
+
+def _by_glove() -> tuple[Part, ...]:
     return (
         Part(
             "Table 3.1, Figures 3.1 to 3.3: the glove",
@@ -38,6 +42,11 @@ def chapter_3() -> tuple[Part, ...]:
             "Table 3.6's instead.",
             (_over_people("transverse, 10 people", GLOVE_APERTURE_DEG, "deg"),),
         ),
+    )
+
+
+def _by_cameras() -> tuple[Part, ...]:
+    return (
         Part(
             "Figures 3.6 to 3.14: marker protocols and set-up",
             "The protocol of Figure 3.9 is `thesis25`: four markers a digit, wrist, CMC4 and three of "
