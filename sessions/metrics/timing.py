@@ -13,6 +13,7 @@ from typing import Any
 import dtaidistance
 import numpy as np
 from dtaidistance import dtw_ndim as _dtw_ndim
+from numpy.typing import NDArray
 
 from sessions.metrics.metric import Estimate
 from sessions.records.fields import Float64, Int64
@@ -23,6 +24,7 @@ RATE_HZ = 20.0
 """Rate at which two movements are compared: fingers move below 6 Hz, and warping grows with its square."""
 WINDOW_S = 1.0
 """Farthest that the warping may shift an instant; the delay is looked for within it, too."""
+MOVING_SHARE = 0.2
 SHORTEST = 8
 _ROUNDS = 3
 
@@ -33,7 +35,8 @@ class Decomposition:
 
     Attributes:
         delay: How far the patient is behind as a whole, s; negative when ahead.
-        warp: Root mean square shift of instants that the warping needs, s.
+        warp: Root mean square shift of instants that the warping needs while the reference moves, s: where
+            it rests, any instant fits any other.
         shape: Root mean square distance left after warping and without the offset, m.
         offset: Length of the constant distance, m.
     """
@@ -64,10 +67,10 @@ def decompose(t_s: Float64, patient_m: Float64, reference_m: Float64) -> Decompo
         path = _warped(patient - offset, reference)
     apart = patient[path[:, 0]] - reference[path[:, 1]]
     shape = np.linalg.norm(apart - offset, axis=1)
-    shift_s = (path[:, 0] - path[:, 1]) / RATE_HZ
+    shift_s = (path[:, 0] - path[:, 1])[_moving(reference)[path[:, 1]]] / RATE_HZ
     return Decomposition(
         Estimate(_delay_s(patient, reference)),
-        Estimate(float(np.sqrt(np.mean(shift_s**2)))),
+        Estimate(float(np.sqrt(np.mean(shift_s**2))) if shift_s.size else 0.0),
         Estimate(float(np.sqrt(np.mean(shape**2)))),
         Estimate(float(np.linalg.norm(offset))),
     )
@@ -77,6 +80,12 @@ def warped_distance(one: Float64, other: Float64) -> float:
     """Dynamic time warping distance, sum of |a - b| along the best path, of shapes (N,) or (N, D)."""
     series = [np.ascontiguousarray(values.reshape(len(values), -1)) for values in (one, other)]
     return float(dtw_ndim.distance(*series, inner_dist="euclidean", use_c=True))
+
+
+def _moving(reference: Float64) -> NDArray[np.bool_]:
+    """Rows in which the reference, (N, D), moves faster than a share of its peak."""
+    speed = np.linalg.norm(np.gradient(reference, axis=0), axis=1)
+    return speed >= MOVING_SHARE * max(float(speed.max()), 1e-12)
 
 
 def _even(t_s: Float64, values: Float64) -> Float64:

@@ -19,6 +19,7 @@ from sessions.reports.tables import (
     Notes,
     Table,
     digit_table,
+    error_table,
     joint_tables,
     marker_table,
     overall_table,
@@ -42,6 +43,7 @@ class Section:
     overall: Table
     joint_table: Table
     digit_table: Table
+    error_table: Table
     repetition_table: Table
     other_joints: Table
     marker_table: Table
@@ -74,7 +76,8 @@ def _section(summary: Summary, key: str) -> Section:
     notes = Notes()
     overall = overall_table(summary, notes)
     joints, others = joint_tables(summary, notes)
-    digits, markers = digit_table(summary, notes), marker_table(summary, notes)
+    digits, errors = digit_table(summary, notes), error_table(summary, notes)
+    markers = marker_table(summary, notes)
     return Section(
         summary,
         "Recorded movement" if summary.header.kind == "take" else "Therapy session",
@@ -87,6 +90,7 @@ def _section(summary: Summary, key: str) -> Section:
         overall,
         joints,
         digits,
+        errors,
         repetition_table(summary),
         others,
         markers,

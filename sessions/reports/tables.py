@@ -23,6 +23,7 @@ BY_DIGIT = (
     "robot_share",
     "total_active_motion",
 )
+OF_THE_ERROR = ("timing_delay", "timing_warp", "shape_error", "offset_error")
 OVERALL = (
     "repetitions",
     "repetitions_by_patient",
@@ -118,6 +119,12 @@ def joint_tables(summary: Summary, notes: Notes) -> tuple[Table, Table]:
 def digit_table(summary: Summary, notes: Notes) -> Table:
     """Digits as columns would not fit a page: one row per digit."""
     return _by_subject("Fingertips", summary, BY_DIGIT, DIGITS, notes)
+
+
+def error_table(summary: Summary, notes: Notes) -> Table:
+    """What the fingertips' error against the therapist is made of; without rows for a take."""
+    there = any(summary.named(name) for name in OF_THE_ERROR)
+    return _by_subject("Error taken apart", summary, OF_THE_ERROR, DIGITS if there else (), notes)
 
 
 def marker_table(summary: Summary, notes: Notes) -> Table:

@@ -60,3 +60,13 @@ def test_gaps_are_left_out_and_too_little_is_nothing() -> None:
     few = decompose(T_S[:20], movement(T_S[:20]), movement(T_S[:20]))
     assert np.isnan(few.shape.value)
     assert "0.4 s" in few.delay.reason
+
+
+def test_rest_is_no_uneven_timing() -> None:
+    rng = np.random.default_rng(72)
+    t_s = np.arange(0.0, 12.0, 0.01)
+    moved = movement(np.clip(t_s - 4.0, 0.0, 4.0))
+    found = decompose(t_s, moved + rng.normal(0.0, 2e-4, moved.shape), moved)
+    assert found.warp.value < 0.06
+    hasty = decompose(t_s, movement(np.clip(1.25 * (t_s - 4.0), 0.0, 4.0)), moved)
+    assert hasty.warp.value > 0.2
