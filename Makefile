@@ -8,7 +8,7 @@ DEV_STAMP := $(VENV)/.installed-dev
 PYTEST := $(BIN)/python -m pytest
 WORKERS ?= 2
 
-.PHONY: demo test check bench bench-tracking examples tools clean
+.PHONY: demo test check bench bench-tracking bench-motion fuzz mutate examples tools clean
 
 demo: $(STAMP)
 	@$(BIN)/rehab-app demo --serve
@@ -25,8 +25,19 @@ check: $(DEV_STAMP)
 bench: $(DEV_STAMP)
 	$(PYTEST) -m bench -s tests/bench
 
+bench-motion: $(DEV_STAMP)
+	$(PYTEST) -m bench -s -q tests/bench/motion/test_bench_motion.py
+
 bench-tracking: $(DEV_STAMP)
 	$(PYTEST) -m bench -s tests/bench/test_tracking_bench.py tests/bench/tracking
+
+fuzz: $(DEV_STAMP)
+	$(BIN)/python -m tests.bench.motion.fuzz
+
+# In a copy: cosmic-ray changes the sources that it tests. MUTANTS=0 tries them all, which takes hours.
+MUTANTS ?= 200
+mutate: $(DEV_STAMP)
+	$(BIN)/python -m tests.bench.motion.fuzz_mutation $(MUTANTS)
 
 examples: $(STAMP)
 	$(BIN)/rehab-app demo --examples docs/examples

@@ -54,6 +54,7 @@ def open_clinic(folder: Path | None = None, serving: bool = False) -> Clinic:
     clinical, limits = Clinical(catalogue, audit), PatientLimits(catalogue, audit)
     wearers, runs = Wearers(clinical, limits), Runs(place, catalogue, audit)
     therapy = Therapy(catalogue, takes, clinical, Planner(catalogue, wearers), runs, audit)
+    assessment = Assessment(catalogue, clinical, wearers, limits, therapy, runs)
     sessions = Sessions(place, catalogue)
     audit.start()
     return Clinic(
@@ -71,10 +72,10 @@ def open_clinic(folder: Path | None = None, serving: bool = False) -> Clinic:
         marker_names=MarkerNames(place, takes, calibrations),
         retouching=Retouching(place, takes),
         therapy=therapy,
-        assessment=Assessment(catalogue, clinical, wearers, limits, therapy, runs),
+        assessment=assessment,
         sessions=sessions,
         reports=Reports(place, sessions, audit),
-        live=LiveDesk(takes, therapy, audit),
+        live=LiveDesk(takes, therapy, assessment, audit),
         lease=lease,
     )
 

@@ -1,4 +1,4 @@
-"""The only place that chooses device and clock of a run."""
+"""The only place that chooses device and clock of a run, and the way in to the simulated reach and grasp."""
 
 from __future__ import annotations
 
@@ -9,9 +9,22 @@ from robot_iface.errors import Refused
 from robot_iface.loop import PacedSimulatedClock, RealTimeClock, SimulatedClock
 from robot_iface.runtime import PresentPatient, Rig
 from robot_iface.sim.choice import SIMULATED, is_real, simulated, simulated_capabilities
+from robot_iface.sim.reach import Grasp, reach_and_grasp
+from robot_iface.sim.reach_drawing import draw_reach
+from robot_iface.sim.reach_world import FreeCylinder
 from robot_iface.types import Capabilities, Plan
 
-__all__ = ["DEVICES", "capabilities", "device_names", "open_rig", "real_device_advice"]
+__all__ = [
+    "DEVICES",
+    "FreeCylinder",
+    "Grasp",
+    "capabilities",
+    "device_names",
+    "draw_reach",
+    "open_rig",
+    "reach_and_grasp",
+    "real_device_advice",
+]
 
 DEVICES: tuple[str, ...] = SIMULATED
 """Devices that are always there; a real one has its own name (``ros2:NAME``) and is never the default."""

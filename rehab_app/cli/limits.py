@@ -234,7 +234,7 @@ def tell_limits(output: Output, patient_id: str, robot: str, today: TodaysLimits
         columns[name] = row
         output.say(
             f"{name}: {math.degrees(row['q_min_rad']):.0f} to {math.degrees(row['q_max_rad']):.0f} degrees, "
-            f"{row['tau_interaction_nm']:.2f} Nm"
+            f"{row['tau_interaction_nm']:.3g} Nm"
         )
     for note in today.notes:
         output.say(note)

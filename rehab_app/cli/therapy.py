@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import signal
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
@@ -62,10 +64,23 @@ def play(
         if check_fit:
             clinic.assessment.require_fit(patient, order, actor=CONSOLE)
             output.say("The device fits: every joint follows in the right sense.")
-        result = clinic.therapy.rehearse_and_play(prepared, actor=CONSOLE, out=out, present=present)
+        result = clinic.therapy.rehearse_and_play(
+            prepared, actor=CONSOLE, out=out, present=present, stoppable=_stop_on_interrupt
+        )
     _tell_result(output, result)
     notes = {"speed": prepared.plan.prescription.speed, "notes": list(prepared.notes)}
     output.result({**result_json(result), **notes})
+
+
+def _stop_on_interrupt(stop: Callable[[], None]) -> None:
+    """Let the first Ctrl-C press stop, so that the run ends braked and sealed; the second breaks off."""
+
+    def pressed(number: int, frame: object) -> None:
+        del number, frame
+        stop()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    signal.signal(signal.SIGINT, pressed)
 
 
 def result_json(result: PlayResult) -> dict[str, Any]:

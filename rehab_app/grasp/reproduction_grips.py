@@ -12,6 +12,7 @@ from rehab_app.grasp.newton import TangentObjective
 from rehab_app.grasp.objects import Cylinder
 from rehab_app.grasp.posture import Posture, find_posture
 from rehab_app.grasp.reproduction import Line, Part, compared
+from rehab_app.grasp.reproduction_reach import reach_part
 from rehab_app.grasp.spiral import spiral_path
 from rehab_app.grasp.tangent import projected_length_m
 from rehab_app.grasp.thesis_tables import (
@@ -37,7 +38,7 @@ _STRAIGHT_MM = 105.0
 
 
 def chapter_5() -> tuple[Part, ...]:
-    """Tables 5.1 to 5.4, Figures 5.1 to 5.11, equations 5.1 to 5.8."""
+    """Tables 5.1 to 5.4, Figures 5.1 to 5.12, equations 5.1 to 5.8."""
     return (
         Part(
             "Figures 5.1 to 5.4, equations 5.1 to 5.6: the optimal posture",
@@ -63,6 +64,7 @@ def chapter_5() -> tuple[Part, ...]:
             (_grip("transverse"), _grip("diagonal")),
         ),
         *(_radii(column) for column in ("robot", "algorithm", "human")),
+        reach_part(),
         Part(
             "Section 5.2.3: the wrist beside the object",
             "Of the printed places (object at (-.051, -.257) m, wrist at (-.0975, -.179) m) the wrist lies "

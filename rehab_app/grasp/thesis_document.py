@@ -5,6 +5,7 @@ from __future__ import annotations
 from rehab_app.grasp.reproduction import document
 from rehab_app.grasp.reproduction_grips import chapter_5
 from rehab_app.grasp.reproduction_measures import chapter_3
+from rehab_app.grasp.reproduction_reach import PICTURE, reach_picture
 from rehab_app.grasp.reproduction_tracking import chapter_4
 
 
@@ -17,3 +18,8 @@ def thesis_document() -> str:
             ("Chapter 5: grips predicted", chapter_5()),
         )
     )
+
+
+def thesis_pictures() -> dict[str, str]:
+    """The pictures that the document names, as SVG by their path from the document."""
+    return {PICTURE: reach_picture()}

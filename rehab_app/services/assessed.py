@@ -69,12 +69,14 @@ class Heard:
 
 
 def device_ends(result: SweepResult) -> tuple[str, ...]:
-    """Ends of range that are the device's own, as sentences: the patient's is at least that."""
+    """Ends of range that are the device's own, as sentences: the patient's is at least that, never that."""
     told: list[str] = []
     for posture, row, angles in zip(result.postures, result.device_end, result.passive_rad, strict=True):
-        for joint, at_end, angle in zip(result.joint_names, row, angles, strict=True):
+        for joint, at_end, angle, rest in zip(result.joint_names, row, angles, result.rest_rad, strict=True):
             if at_end:
-                told.append(f"{joint} in {posture}: {math.degrees(angle):.0f} degrees, device limit.")
+                degrees = f"{math.degrees(angle):.0f} degrees"
+                bound = f"at least {degrees}" if angle > rest else f"{degrees} or less"
+                told.append(f"{joint} in {posture}: {bound}, device limit.")
     return tuple(told)
 
 

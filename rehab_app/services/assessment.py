@@ -16,7 +16,7 @@ from rehab_app.services.clock import day_end_ns
 from rehab_app.services.order import PLAIN, Order
 from rehab_app.services.patient_limits import PatientLimits
 from rehab_app.services.rows import PreparedPlan
-from rehab_app.services.runs import Runs
+from rehab_app.services.runs import Runs, Watch
 from rehab_app.services.sweep_postures import postures_of
 from rehab_app.services.therapy import Therapy, check_accepted
 from rehab_app.services.wearer import Wearers, binding
@@ -24,14 +24,17 @@ from rehab_app.therapy.run import PlayResult
 from robot_iface.build import capabilities
 from robot_iface.link import MotionClient
 from robot_iface.motion.limits import limits_of
+from robot_iface.runtime import Message
 from robot_iface.runtime.sweep_fit_reading import fit_result
 from robot_iface.runtime.sweep_reading import measured_range
 from robot_iface.types import (
     MODES,
+    Certificate,
     Float64,
     Mode,
     Plan,
     Prescription,
+    RunEnd,
     Sweep,
 )
 from sessions.catalogue import Catalogue, FitCheck
@@ -98,6 +101,8 @@ class Assessment:
         out: Path | None = None,
         client: MotionClient | None = None,
         present: str | None = None,
+        certificate: Certificate | None = None,
+        watch: Watch | None = None,
     ) -> MeasuredLimits:
         """Rehearse and run the sweep, and keep its limits for the rest of the day.
 
@@ -107,12 +112,14 @@ class Assessment:
             out: A copy of the session for the user.
             client: A running motion process, None to start one for this.
             present: Pseudonym of who sits at the robot, as a person confirmed.
+            certificate: Of its rehearsal, None to rehearse it here.
+            watch: Told every message of the run besides.
 
         Raises:
             Refused: The actor may not, the plan is another patient's, the rehearsal met a limit, or the sweep
                 was broken off or measured nothing that can be used.
         """
-        run, heard = self._run(prepared, actor, out, client, present)
+        run, heard = self._run(prepared, actor, out, client, present, certificate, watch)
         sweep, device = _sweep(prepared), capabilities(prepared.plan.device)
         result = measured_range(heard.blocks, heard.phases, sweep, prepared.plan.limits, device)
         now_ns = self._clock_ns()
@@ -135,13 +142,17 @@ class Assessment:
         out: Path | None = None,
         client: MotionClient | None = None,
         present: str | None = None,
+        certificate: Certificate | None = None,
+        watch: Watch | None = None,
     ) -> CheckedFit:
         """Rehearse and run the fit check; a device that does not fit is a finding, not an error.
+
+        The arguments are those of ``measure_limits``.
 
         Raises:
             Refused: The actor may not, the plan is another patient's, or the rehearsal met a limit.
         """
-        run, heard = self._run(prepared, actor, out, client, present)
+        run, heard = self._run(prepared, actor, out, client, present, certificate, watch)
         sweep, recorded = _sweep(prepared), prepared.plan.twin.stiffness_nm_rad
         usual = self._usual_neutral(prepared)
         result = fit_result(heard.blocks, heard.phases, heard.end, sweep, recorded, usual)
@@ -222,6 +233,8 @@ class Assessment:
         out: Path | None,
         client: MotionClient | None,
         present: str | None,
+        certificate: Certificate | None,
+        watch: Watch | None,
     ) -> tuple[PlayResult, Heard]:
         """Rehearse, run, seal; what was measured besides."""
         require(actor, "play")
@@ -229,11 +242,18 @@ class Assessment:
         self._therapy.check_patient(prepared, present)
         if client is None:
             with MotionClient() as started:
-                return self._run(prepared, actor, out, started, present)
-        certificate = self._therapy.rehearse(prepared, actor=actor, client=client)
+                return self._run(prepared, actor, out, started, present, certificate, watch)
+        if certificate is None:
+            certificate = self._therapy.rehearse(prepared, actor=actor, client=client)
         check_accepted(certificate)
         heard = Heard()
-        run = self._runs.run(client, prepared, certificate, actor, out, heard.take)
+
+        def hear(message: Message | RunEnd) -> None:
+            heard.take(message)
+            if watch is not None:
+                watch(message)
+
+        run = self._runs.run(client, prepared, certificate, actor, out, hear)
         return run, heard
 
 

@@ -28,6 +28,7 @@ class Precautions:
         kind: Virtual patient that stands in for this one.
         stiffness_nm_rad: Its passive MCP stiffness, 0 for the kind's own.
         notes: The precautions as sentences.
+        stated_utc_ns: When the record was stated, 0 for none; what was raised before holds no more.
     """
 
     halved: bool = False
@@ -37,6 +38,7 @@ class Precautions:
     kind: VirtualKind = "healthy"
     stiffness_nm_rad: float = 0.0
     notes: tuple[str, ...] = ()
+    stated_utc_ns: int = 0
 
 
 def template(key: str) -> Template:
@@ -161,6 +163,7 @@ def precautions(record: ClinicalRecord | None) -> Precautions:
         kind=_kind(record, ungraded),
         stiffness_nm_rad=_RIGID_NM_RAD if record.mas == "4" else 0.0,
         notes=_notes(record, halved, ungraded, unfelt or any(one.skin_check_s for one in applied)),
+        stated_utc_ns=record.created_utc_ns,
     )
 
 

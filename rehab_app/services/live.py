@@ -3,7 +3,7 @@
 States::
 
     idle ─start_recording─▶ countdown ─▶ recording ─▶ processing ─▶ done
-    idle ─start_therapy──▶ rehearsing ─▶ playing ─▶ done
+    idle ─start_therapy──▶ rehearsing ─▶ playing ─▶ done (so, too, start_assessment)
     any  ─press_stop─────▶ stopped (latched) ─clear_stop─▶ idle
 """
 
@@ -16,12 +16,15 @@ from typing import TypeAlias
 
 from rehab_app.access import Account, require
 from rehab_app.errors import REFUSALS, Refused
+from rehab_app.services.assessment import Assessment
 from rehab_app.services.audit import Audit
 from rehab_app.services.live_board import Board
+from rehab_app.services.live_controls import LiveControls
 from rehab_app.services.live_recording import RecordingJob, RecordingOrder
 from rehab_app.services.live_target import LiveTarget
 from rehab_app.services.live_therapy import TherapyJob
-from rehab_app.services.order import Order
+from rehab_app.services.live_work import Work, Works, first_picture
+from rehab_app.services.order import PLAIN, Order
 from rehab_app.services.patients import side_named
 from rehab_app.services.recording_request import PROTOCOL, VIRTUAL, RecordingRequest
 from rehab_app.services.snapshot import BUSY, LiveSnapshot
@@ -38,16 +41,20 @@ class LiveDesk:
     Args:
         takes: Where recordings go.
         therapy: What rehearses and plays.
+        assessment: What measures range and fit.
         audit: Where every verb is noted.
 
     Attributes:
+        controls: The verbs of the run that goes on.
         target: The target grip that the pictures show.
     """
 
-    def __init__(self, takes: Takes, therapy: Therapy, audit: Audit) -> None:
+    def __init__(self, takes: Takes, therapy: Therapy, assessment: Assessment, audit: Audit) -> None:
         self._takes = takes
         self._therapy = therapy
+        self._works = Works(therapy, assessment)
         self._audit = audit
+        self.controls = LiveControls(self._run_going_on, audit)
         self.target = LiveTarget(audit)
         self._board = Board()
         self._starting = threading.Lock()
@@ -141,60 +148,45 @@ class LiveDesk:
         account: Account,
         patient_id: str | None,
         take_id: str,
-        mode: str = "passive",
-        speed: float = 0.5,
-        repetitions: int = 3,
-        twin: str = "",
-        seed: int = 0,
+        order: Order = PLAIN,
+        *,
+        present: str | None = None,
     ) -> None:
         """Rehearse, then play in real time.
 
+        Args:
+            account: Who plays.
+            patient_id: Pseudonym of the patient, None for a demonstration.
+            take_id: Catalogue id of an approved take.
+            order: What is asked for; it is played on the wall clock whatever it says.
+            present: Pseudonym of who sits at the robot, as a person confirmed; None where nobody was asked.
+
         Raises:
             Refused: The role may not play, the desk is busy, stop is pressed, the take is not approved, the
-                patient is unknown, or the prescription is out of bounds.
+                patient is unknown, another one is present, or the prescription is out of bounds.
         """
         require(account, "play")
         self._check_free()
         self._therapy.check_approved(self._takes.get(take_id))
-        order = Order(mode=mode, speed=speed, repetitions=repetitions, twin=twin, seed=seed, realtime=True)
-        prepared = self._therapy.plan(take_id, order, actor=account, patient_id=patient_id)
-        with self._starting:
-            self._check_free()
-            self._board.begin(
-                state="rehearsing",
-                message=" ".join(("Rehearsing on the virtual twin.", *prepared.notes)),
-                patient_id=prepared.patient_id,
-                take_id=prepared.take_id,
-                side=prepared.geometry.side,
-                geometry=prepared.geometry,
-                repetitions=repetitions,
-                speed=prepared.plan.prescription.speed,
-            )
-            self._start(TherapyJob(self._board, self._therapy, prepared, account, self._latch))
+        self._begin(account, self._works.plan("therapy", account, patient_id, take_id, order, present))
 
-    def pause(self, account: Account) -> None:
-        """Hold the path."""
-        require(account, "play")
-        self._playing("pause").pause()
-        self._audit.note_later(account.name, "pause")
-
-    def resume(self, account: Account) -> None:
-        """Go on along the path."""
-        require(account, "play")
-        self._playing("resume").resume()
-        self._audit.note_later(account.name, "resume")
-
-    def set_speed(self, account: Account, speed: float) -> None:
-        """Ask for another path speed, 0.1 to 1.
+    def start_assessment(
+        self,
+        account: Account,
+        kind: str,
+        patient_id: str | None,
+        order: Order = PLAIN,
+        *,
+        present: str | None = None,
+    ) -> None:
+        """Rehearse, then measure today's range ("range") or check the fit ("fit") in real time.
 
         Raises:
-            Refused: The role may not play, nothing is played, or the speed is out of bounds.
+            Refused: As of ``start_therapy``, nobody is named, or the robot is not worn.
         """
         require(account, "play")
-        if not 0.1 <= speed <= 1.0:
-            raise Refused("speed", f"{speed:g}", "0.1 to 1", "choose a speed within it")
-        self._playing("speed").set_speed(speed)
-        self._audit.note_later(account.name, "set speed", detail=f"{speed:g}")
+        self._check_free()
+        self._begin(account, self._works.plan(kind, account, patient_id, "", order, present))
 
     def press_stop(self, source: str) -> None:
         """Stop. No role, no lock, no database: writes the stop word, then queues the audit row."""
@@ -223,16 +215,16 @@ class LiveDesk:
 
     def pain(self, account: Account | None, digit: str = "") -> None:
         """Enter pain, by anyone: the run holds, and the entry is recorded."""
-        job = self._job
-        if isinstance(job, TherapyJob):
+        job = self._run_going_on()
+        if job is not None:
             job.pain()
         name = "unnamed" if account is None else account.name
         self._audit.note_later(name, "pain", detail=digit)
 
     def operator_beat(self) -> None:
         """The operator's page is alive; more than 1 s of silence while playing holds the path."""
-        job = self._job
-        if isinstance(job, TherapyJob):
+        job = self._run_going_on()
+        if job is not None:
             job.hear_operator()
 
     def close(self) -> None:
@@ -259,13 +251,19 @@ class LiveDesk:
                 "live desk", self._board.snapshot.state, "free", "wait until it is done, or stop it"
             )
 
-    def _playing(self, verb: str) -> TherapyJob:
+    def _run_going_on(self) -> TherapyJob | None:
         job = self._job
-        if not isinstance(job, TherapyJob):
-            raise Refused(
-                verb, "asked for while nothing is played", "during a session", "start a session first"
+        return job if isinstance(job, TherapyJob) else None
+
+    def _begin(self, account: Account, work: Work) -> None:
+        with self._starting:
+            self._check_free()
+            self._board.begin(
+                state="rehearsing", message="Rehearsing on the virtual twin.", **first_picture(work)
             )
-        return job
+            self._start(TherapyJob(self._board, self._works, work, account, self._latch))
+        subject = work.prepared.patient_id or work.prepared.take_id
+        self._audit.note_later(account.name, "start", subject, f"{work.kind} on {work.prepared.plan.device}")
 
     def _start(self, job: Job) -> None:
         self._job = job

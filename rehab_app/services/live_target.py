@@ -7,7 +7,7 @@ from dataclasses import replace
 from rehab_app.access import Account, require
 from rehab_app.services.audit import Audit
 from rehab_app.services.grip_finder import GripFinder
-from rehab_app.services.grip_target import GripChoice
+from rehab_app.services.grip_target import GripChoice, WayToGo, way_to_go
 from rehab_app.services.snapshot import LiveSnapshot
 
 _NOT_WHILE = ("countdown", "recording", "processing")
@@ -50,3 +50,9 @@ class LiveTarget:
         if choice is None or shown.state in _NOT_WHILE:
             return shown
         return replace(shown, grip=self._finder.find(choice, shown.geometry))
+
+
+def way_of(shown: LiveSnapshot) -> WayToGo | None:
+    """How far the patient's hand is from the target; None without one, or where nobody wears the robot."""
+    target, joints = shown.grip.target, shown.patient_joints_rad
+    return None if target is None or joints is None or not shown.worn else way_to_go(target, joints)

@@ -1,4 +1,4 @@
-"""Plays a therapy session in real time: beats, the operator's watch, the picture, the sealed session."""
+"""Runs a planned work in real time: beats, the operator's watch, the picture, the sealed session."""
 
 from __future__ import annotations
 
@@ -7,16 +7,17 @@ import threading
 import time
 from collections.abc import Callable
 
-import numpy as np
-
 from rehab_app.access import Account
+from rehab_app.errors import Refused
 from rehab_app.services.live_board import Board
+from rehab_app.services.live_picture import RunPicture
+from rehab_app.services.live_work import Work, Works
 from rehab_app.services.replay import COMPARED_PHASES
-from rehab_app.services.rows import PreparedPlan
-from rehab_app.services.therapy import Therapy, check_accepted
-from rehab_app.therapy.run_poses import WornHand
+from rehab_app.services.therapy import check_accepted
+from rehab_app.therapy.run_causes import sentence_of
 from robot_iface.link import LiveSample, MotionClient
-from robot_iface.types import SafetyState
+from robot_iface.runtime import Message
+from robot_iface.types import RunEnd, SafetyEvent, SafetyState
 
 _HELD = (SafetyState.HOLD, SafetyState.COMPLIANT)
 _RUNNING = (SafetyState.RAMP_IN, SafetyState.ACTIVE)
@@ -25,39 +26,43 @@ _SUPERVISOR = "the safety supervisor"
 BEAT_S = 1.0 / 30.0
 OPERATOR_SILENCE_S = 1.0
 RESUME_WAIT_S = 3.0
+_NOTES = 12
+_SILENT = ("order-refused Resume", "order-refused Reset", "operator-silent", "reset", "repetitions", "sweep")
+"""What the page shows in another way, or asks for again by itself."""
+GOING = {"therapy": "Playing.", "range": "Measuring today's range.", "fit": "Checking the fit."}
 
 
 class TherapyJob:
-    """One session on its own thread; a second one beats and does nothing else, a third one draws.
+    """One run on its own thread; a second one beats and does nothing else, a third one draws.
 
     Args:
         board: Where the picture is shown.
-        therapy: What rehearses and plays.
-        prepared: What is played.
-        actor: Who plays it.
+        works: What rehearses.
+        work: What is run.
+        actor: Who runs it.
         latch: Called with the cause when the supervisor stopped by itself: that too needs a person who looks.
     """
 
     def __init__(
         self,
         board: Board,
-        therapy: Therapy,
-        prepared: PreparedPlan,
+        works: Works,
+        work: Work,
         actor: Account,
         latch: Callable[[str], None],
     ) -> None:
         self._latch = latch
         self._board = board
-        self._therapy = therapy
-        self._prepared = prepared
+        self._works = works
+        self._work = work
+        self._going = GOING[work.kind]
         self._actor = actor
         self._client: MotionClient | None = None
         self._stopped = False
         self._done = threading.Event()
         self._heard_s = time.monotonic()
-        self._last_ns = -1
         self._resume_until_s = 0.0
-        self._hand = WornHand(prepared.geometry, prepared.plan.joint_names, 0.0)
+        self._picture = RunPicture(board, work.prepared)
 
     def stop(self) -> None:
         """Write the stop word. The flag covers a press before the motion process exists."""
@@ -95,6 +100,31 @@ class TherapyJob:
             self._go_on(client)
             self._resume_until_s = time.monotonic() + RESUME_WAIT_S
 
+    def reverse(self) -> None:
+        """Go back along the path and wait there; in a sweep, back to the relaxed hand and on from there.
+
+        Raises:
+            Refused: The movement is held.
+        """
+        client = self._client
+        if client is None:
+            return
+        sample = client.live()
+        if sample.safety_state not in _RUNNING:
+            raise Refused("movement", "held", "not held", "look at the patient and press Resume first")
+        client.reverse()
+        if self._work.kind != "therapy" or sample.phase == "return":
+            return
+        if sample.phase in COMPARED_PHASES:
+            self._board.update(reversing=True, paused=False, message="Going back. Resume goes on.")
+        else:
+            self._board.update(paused=True, message="Paused: the movement had not begun.")
+
+    def advance(self) -> None:
+        """Go on to what comes next: the end of a rest, the robot's help, the next posture."""
+        if self._client is not None:
+            self._client.advance()
+
     def set_speed(self, speed: float) -> None:
         """Ask for another path speed."""
         if self._client is not None:
@@ -121,12 +151,12 @@ class TherapyJob:
                 self._client = None
 
     def _run(self, client: MotionClient) -> None:
-        certificate = self._therapy.rehearse(self._prepared, actor=self._actor, client=client)
+        certificate = self._works.rehearse(self._work, self._actor, client)
         check_accepted(certificate)
         if self._stopped:
             self._board.update(message="Stopped before the robot moved.")
             return
-        self._board.update(state="playing", message="Playing.")
+        self._board.update(state="playing", message=self._going)
         self.hear_operator()
         helpers = [
             threading.Thread(target=work, args=(client,), name=f"live-{name}", daemon=True)
@@ -135,15 +165,33 @@ class TherapyJob:
         for helper in helpers:
             helper.start()
         try:
-            result = self._therapy.play(self._prepared, certificate, actor=self._actor, client=client)
+            finished = self._work.perform(certificate, client, self._hear)
         finally:
             self._done.set()
             for helper in helpers:
                 helper.join()
-        if result.stops and not self._stopped:
-            self._latch(f"{_SUPERVISOR}: {result.stops[-1].cause.replace('-', ' ')}")
-        words = "The session is recorded." if result.completed else "The session ended early and is recorded."
-        self._board.update(state="done", message=words, session_id=result.session, paused=False)
+        for note in finished.notes:
+            self._note(note)
+        self._board.update(
+            state="done",
+            message=finished.message,
+            session_id=finished.run.session,
+            paused=False,
+            reversing=False,
+        )
+
+    def _hear(self, message: Message | RunEnd) -> None:
+        """Note what happened, and who ended it."""
+        if isinstance(message, SafetyEvent) and message.cause not in _SILENT:
+            self._note(sentence_of(message))
+        elif isinstance(message, RunEnd) and message.state in _STOPPED and not self._stopped:
+            self._latch(f"{_SUPERVISOR}: {message.reason.replace('-', ' ')}")
+
+    def _note(self, sentence: str) -> None:
+        """Show a sentence beneath the others; the same one twice in a row is told once."""
+        notes = self._board.snapshot.notes
+        if notes[-1:] != (sentence,):
+            self._board.update(notes=(*notes, sentence)[-_NOTES:])
 
     def _beat(self, client: MotionClient) -> None:
         """Give the sign of life, 30 times a second; no drawing may ever delay it into a stop."""
@@ -157,7 +205,7 @@ class TherapyJob:
             if sample.safety_state in _STOPPED and not self._stopped:
                 self._latch(_SUPERVISOR)
             self._say_held(client, sample)
-            self._draw(sample)
+            self._picture.draw(sample)
 
     def _go_on(self, client: MotionClient) -> None:
         if client.live().safety_state in _HELD:
@@ -170,7 +218,7 @@ class TherapyJob:
         if self._resume_until_s:
             if state in _RUNNING:
                 self._resume_until_s = 0.0
-                self._board.update(paused=False, message="Playing.")
+                self._board.update(paused=False, reversing=False, message=self._going)
             elif time.monotonic() > self._resume_until_s:
                 self._resume_until_s = 0.0
                 self._board.update(paused=True, message="Still held: wait until the hand rests, then resume.")
@@ -181,28 +229,3 @@ class TherapyJob:
             why = "the operator's page fell silent" if silent else "a safety rule asked for it"
             message = f"Held: {why}. Look at the patient, then press Resume."
             self._board.update(paused=True, message=message)
-
-    def _draw(self, sample: LiveSample) -> None:
-        """Publish what the motion process measured since the last picture."""
-        if sample.t_ns == self._last_ns or not sample.q_rad.size:
-            return
-        self._last_ns = sample.t_ns
-        patient = self._hand.poses(sample.q_rad[None])
-        therapist = self._hand.poses(sample.q_reference_rad[None])
-        t_s = sample.t_ns / 1e9
-        error_m = None
-        if sample.phase in COMPARED_PHASES:
-            error_m = np.linalg.norm(patient.fingertips_m[0] - therapist.fingertips_m[0], axis=1)
-            self._board.add_error(t_s, float(np.sqrt(np.mean(error_m**2))))
-        self._board.picture(
-            t_s=t_s,
-            therapist_joints_rad=therapist.joints_rad[0],
-            patient_joints_rad=patient.joints_rad[0],
-            fingertip_error_m=error_m,
-            phase=sample.phase,
-            repetition=sample.repetition,
-            started_by=sample.started_by,
-            support=float(np.mean(sample.stiffness_multiple)),
-            interaction_nm=float(np.max(np.abs(sample.tau_interaction_nm))),
-            safety_state=sample.safety_state.name,
-        )

@@ -68,7 +68,7 @@ class PatientLimits:
         """The limits that ship, for a hand of which nothing was measured; said so."""
         base = _shipped(device, cautions)
         notes = ("No limits were measured today: the shipped defaults hold.",)
-        return self._changed(base, False, notes, patient_id, device)
+        return self._changed(base, False, notes, patient_id, device, cautions)
 
     def today(
         self, patient: Patient, device: Capabilities, wrist_rad: float, cautions: Precautions
@@ -94,7 +94,7 @@ class PatientLimits:
         base = _narrowed(_shipped(device, cautions), limits_from_json(row.content), row)
         degrees = math.degrees(row.wrist_rad)
         notes = (f"Today's limits were measured by {row.by} with the wrist at {degrees:.0f} degrees.",)
-        return self._changed(base, True, notes, patient.id, device)
+        return self._changed(base, True, notes, patient.id, device, cautions)
 
     def keep(
         self, actor: Account, patient: Patient, device: Capabilities, limits: Limits, wrist_rad: float
@@ -133,7 +133,13 @@ class PatientLimits:
         return kept
 
     def _changed(
-        self, base: Limits, measured: bool, notes: tuple[str, ...], patient_id: str, device: Capabilities
+        self,
+        base: Limits,
+        measured: bool,
+        notes: tuple[str, ...],
+        patient_id: str,
+        device: Capabilities,
+        cautions: Precautions,
     ) -> TodaysLimits:
         """What a person set on single joints, on top of the base."""
         now_ns = self._clock_ns()
@@ -143,11 +149,11 @@ class PatientLimits:
         for row in valid:
             if row.joint in device.joint_names:
                 newest.setdefault((row.joint, row.limit), row)
-        limits = _with_changes(base, device.joint_names, newest.values())
+        limits = _with_changes(base, device.joint_names, newest.values(), cautions.stated_utc_ns)
         _check_open(limits, device.joint_names)
         today_ns = day_start_ns(now_ns)
         set_today = any(row.limit != TORQUE_LIMIT and row.created_utc_ns >= today_ns for row in valid)
-        told = tuple(_words(row) for row in newest.values())
+        told = tuple(_words(row, cautions.stated_utc_ns) for row in newest.values())
         return TodaysLimits(limits, base, measured, measured or set_today, (*notes, *told))
 
 
@@ -214,13 +220,18 @@ def _narrowed(shipped: Limits, measured: Limits, row: DayLimits) -> Limits:
     )
 
 
-def _with_changes(base: Limits, joint_names: tuple[str, ...], changes: Iterable[LimitChange]) -> Limits:
+def _with_changes(
+    base: Limits, joint_names: tuple[str, ...], changes: Iterable[LimitChange], stated_utc_ns: int
+) -> Limits:
+    """The base with single limits set; what was raised before the record was stated is not raised."""
     low, high, torque = base.q_min_rad.copy(), base.q_max_rad.copy(), base.tau_interaction_nm.copy()
     for row in changes:
         joint = joint_names.index(row.joint)
         if row.limit == TORQUE_LIMIT:
-            # what holds until further notice never raises: precautions may have become stricter since
-            torque[joint] = row.value if row.expires_utc_ns else min(torque[joint], row.value)
+            # neither what holds until further notice nor what is older than the record ever raises:
+            # precautions may have become stricter since
+            raises = row.expires_utc_ns and row.created_utc_ns >= stated_utc_ns
+            torque[joint] = row.value if raises else min(torque[joint], row.value)
         elif row.limit == RANGE_LOW:
             low[joint] = max(low[joint], row.value)
         elif row.limit == RANGE_HIGH:
@@ -236,8 +247,14 @@ def _check_open(limits: Limits, joint_names: tuple[str, ...]) -> None:
             raise Refused(f"range of {name}", span, "a range that opens", remedy)
 
 
-def _words(row: LimitChange) -> str:
+def _words(row: LimitChange, stated_utc_ns: int) -> str:
     if row.limit == TORQUE_LIMIT:
-        return f"Torque limit of {row.joint} was set to {row.value:.2f} Nm by {row.by}."
+        words = f"Torque limit of {row.joint} was set to {row.value:.2f} Nm by {row.by}"
+        before = row.expires_utc_ns and row.created_utc_ns < stated_utc_ns
+        return (
+            f"{words}, before the clinical record was stated: more is to be set anew."
+            if before
+            else f"{words}."
+        )
     end = "lower" if row.limit == RANGE_LOW else "upper"
     return f"The {end} end of {row.joint} was set to {math.degrees(row.value):.0f} degrees by {row.by}."

@@ -73,18 +73,17 @@ class Patients:
             )
         for part, name in (("given name", given_name), ("family name", family_name)):
             _check_name(part, name.strip())
-        if birth_date.strip() > datetime.now(UTC).date().isoformat():
-            raise Refused("birth date", birth_date.strip(), "today or before", "correct it")
-        patient = self._catalogue.add_patient(
-            Patient(
-                given_name=given_name.strip(),
-                family_name=family_name.strip(),
-                birth_date=birth_date.strip(),
-                side=chosen,
-                hand_length_m=hand_length_m,
-                impairment=impairment.strip(),
-            )
+        patient = Patient(  # refuses what is no date, before it is compared with today
+            given_name=given_name.strip(),
+            family_name=family_name.strip(),
+            birth_date=birth_date.strip(),
+            side=chosen,
+            hand_length_m=hand_length_m,
+            impairment=impairment.strip(),
         )
+        if patient.birth_date > datetime.now(UTC).date().isoformat():
+            raise Refused("birth date", patient.birth_date, "today or before", "correct it")
+        patient = self._catalogue.add_patient(patient)
         self._audit.note(actor, "add patient", patient.id)
         return patient
 

@@ -52,6 +52,8 @@ def _take(reader: SessionReader) -> Replay:
 def _session(reader: SessionReader) -> Replay:
     patient = reader.columns(PATIENT_POSE, names=("joints_rad", "fingertips_palm_m"))
     reference = reader.columns(REFERENCE, names=("joints_rad", "fingertips_palm_m"))
+    if not np.asarray(reference["t_ns"]).size:
+        return _sweep(reader, np.asarray(patient["t_ns"], dtype=np.int64), patient["joints_rad"])
     t_ns, of_patient, of_reference = np.intersect1d(
         np.asarray(patient["t_ns"], dtype=np.int64),
         np.asarray(reference["t_ns"], dtype=np.int64),
@@ -74,6 +76,21 @@ def _session(reader: SessionReader) -> Replay:
         geometry=geometry,
         side=reader.header.side,
         reference_geometry=geometry,
+    )
+
+
+def _sweep(reader: SessionReader, t_ns: Int64, joints_rad: Float64) -> Replay:
+    """A guided assessment: nobody is followed, so there is nothing to compare with."""
+    chosen = _thinned(t_ns, reader.path)
+    return Replay(
+        t_s=_since(t_ns[chosen], int(t_ns[0])),
+        reference_joints_rad=None,
+        patient_joints_rad=np.asarray(joints_rad, dtype=np.float64)[chosen],
+        fingertip_error_m=None,
+        phases=_phases(reader, t_ns[chosen]),
+        events=_events(reader, int(t_ns[0])),
+        geometry=geometry_from_json(reader.header.subject_hand),
+        side=reader.header.side,
     )
 
 

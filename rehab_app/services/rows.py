@@ -125,9 +125,10 @@ class Replay:
 
     Attributes:
         t_s: Time from the start, shape (N,).
-        reference_joints_rad: Therapist, shape (N, 21); None for a take.
+        reference_joints_rad: Therapist, shape (N, 21); None for a take and for a guided assessment.
         patient_joints_rad: The recorded hand, shape (N, 21).
-        fingertip_error_m: RMS over digits, shape (N,), NaN outside the compared movement; None for a take.
+        fingertip_error_m: RMS over digits, shape (N,), NaN outside the compared movement; None
+            without a reference.
         phases: Phase label of each row, length N; empty for a take.
         events: Safety events, notes, stops; their ``t_ns`` count from the start.
         geometry: The recorded hand.

@@ -21,6 +21,7 @@ LiveState: TypeAlias = Literal[
     "done",
     "failed",
 ]
+WorkKind: TypeAlias = Literal["", "therapy", "range", "fit"]
 BUSY: frozenset[LiveState] = frozenset(("countdown", "recording", "processing", "rehearsing", "playing"))
 _AVERAGE = average_hand()
 
@@ -44,9 +45,9 @@ class LiveSnapshot:
         side: Side of that hand.
         fingertip_error_m: Distance of each fingertip from the reference, shape (5,); None outside the
             compared movement.
-        phase: approach, ramp, cue, move, hold, return, rest, stopped, done, or "".
-        repetition: Repetition index from 0, -1 outside one.
-        repetitions: How many are prescribed, 0 outside therapy.
+        phase: One of ``robot_iface.runtime.live.PHASES``.
+        repetition: Index of the repetition, in a range sweep of the posture, from 0; -1 outside one.
+        repetitions: How many there are, 0 where nothing is counted.
         started_by: patient, robot or "".
         support: Mean stiffness as a multiple of the thesis gains, None outside therapy.
         interaction_nm: Largest torque between robot and patient now, None outside therapy.
@@ -60,6 +61,14 @@ class LiveSnapshot:
         stop_source: Who pressed stop; "" while it is not pressed.
         speed: Path speed asked for, 0 outside therapy.
         grip: The target grip that is shown beside the hands.
+        kind: What is run: therapy along a take, the range sweep, the fit check; "" outside a run.
+        device: The robot that moves, "" outside a run.
+        worn: Whether the patient wears it.
+        mode: Therapy mode, "" outside therapy.
+        reversing: Whether the movement goes back, or has gone back, at a person's wish.
+        notes: What happened in this run, newest last, one sentence each.
+        late_p99_ns: 99th percentile of how late the control loop's ticks began.
+        overruns: Ticks that missed their deadline.
     """
 
     state: LiveState = "idle"
@@ -90,3 +99,11 @@ class LiveSnapshot:
     stop_source: str = ""
     speed: float = 0.0
     grip: FoundGrip = NO_GRIP
+    kind: WorkKind = ""
+    device: str = ""
+    worn: bool = True
+    mode: str = ""
+    reversing: bool = False
+    notes: tuple[str, ...] = ()
+    late_p99_ns: int = 0
+    overruns: int = 0

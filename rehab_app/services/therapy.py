@@ -15,7 +15,7 @@ from rehab_app.services.clinical import Clinical
 from rehab_app.services.order import PLAIN, Order
 from rehab_app.services.planning import Planner
 from rehab_app.services.rows import PreparedPlan, TakeRow
-from rehab_app.services.runs import Runs
+from rehab_app.services.runs import Runs, Watch
 from rehab_app.services.takes import Takes
 from rehab_app.services.wearer import binding
 from rehab_app.therapy.run import PlayResult
@@ -117,6 +117,7 @@ class Therapy:
         out: Path | None = None,
         client: MotionClient | None = None,
         present: str | None = None,
+        watch: Watch | None = None,
     ) -> PlayResult:
         """Play in the motion process and seal the session; blocks until it is done or stopped.
 
@@ -127,6 +128,7 @@ class Therapy:
             out: A copy for the user.
             client: A running motion process, None to start one for this.
             present: Pseudonym of who sits at the robot, as a person confirmed; None where nobody was asked.
+            watch: Told every message of the run besides.
 
         Raises:
             Refused: The actor may not, the take is not approved or its file was changed, the plan is
@@ -139,9 +141,11 @@ class Therapy:
         self.check_patient(prepared, present)
         if client is None:
             with MotionClient() as started:
-                return self.play(prepared, certificate, actor=actor, out=out, client=started, present=present)
+                return self.play(
+                    prepared, certificate, actor=actor, out=out, client=started, present=present, watch=watch
+                )
         self._runs.order(prepared, actor)
-        return self._runs.run(client, prepared, certificate, actor, out)
+        return self._runs.run(client, prepared, certificate, actor, out, watch)
 
     def rehearse_and_play(
         self,
@@ -150,8 +154,16 @@ class Therapy:
         actor: Account,
         out: Path | None = None,
         present: str | None = None,
+        stoppable: Callable[[Callable[[], None]], None] = lambda stop: None,
     ) -> PlayResult:
         """Rehearse, then play, in one motion process.
+
+        Args:
+            prepared: What is played.
+            actor: Who plays.
+            out: A copy for the user.
+            present: Pseudonym of who sits at the robot, as a person confirmed; None where nobody was asked.
+            stoppable: Called once with what presses stop, which may then be called from anywhere.
 
         Raises:
             Refused: As of ``play``, or the rehearsal met a limit.
@@ -160,6 +172,7 @@ class Therapy:
         self.check_approved(self._takes.get(prepared.take_id))
         self.check_patient(prepared, present)
         with MotionClient() as client:
+            stoppable(client.press_stop)
             certificate = self.rehearse(prepared, actor=actor, client=client)
             check_accepted(certificate)
             return self.play(prepared, certificate, actor=actor, out=out, client=client, present=present)

@@ -143,9 +143,11 @@ class Wearers:
 
     def _beside(self, patient: Patient | None, side: Side, device: Capabilities, order: Order) -> Wearer:
         """Nobody is inside the device: its own range and speed hold, and no lock protects anybody."""
-        if patient is not None:
-            side = patient.side
-        twin = PatientTwin(order.named_twin("healthy"), side)
+        kind = order.named_twin("healthy")
+        if patient is None:
+            twin = PatientTwin(kind, side)
+        else:
+            twin = PatientTwin(kind, patient.side, patient.hand_length_m)
         note = f"The {device.name} is not worn: its own range and speed hold, not a patient's limits."
         return Wearer(
             "" if patient is None else patient.id,
@@ -185,9 +187,16 @@ def check_device(device: Capabilities, order: Order, patient: Patient | None) ->
     """Refuse a real device that nobody has confirmed by name, or that an unnamed person would wear.
 
     Raises:
-        Refused: It is one of these.
+        Refused: It is one of these, or a real device was confirmed and a simulated one is to play.
     """
     if device.simulated:
+        if order.confirmed_device:
+            raise Refused(
+                f"device {order.device}",
+                f"simulated, and {order.confirmed_device!r} was confirmed as real",
+                "the device that was confirmed",
+                "name the real one with --robot, or leave --confirm-device out",
+            )
         return
     if order.confirmed_device != order.device:
         raise Refused(

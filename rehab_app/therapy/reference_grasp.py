@@ -5,10 +5,10 @@ from __future__ import annotations
 import hashlib
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from rehab_app.grasp.hand import GraspHand
 from rehab_app.grasp.spiral import GraspPath
+from rehab_app.grasp.timing import there_and_back
 from rehab_app.hand.retarget import ROBOT_JOINTS
 from rehab_app.hand.retarget_range import within
 from rehab_app.hand.subject import on_side
@@ -57,8 +57,7 @@ def reference_from_grasp(
     Raises:
         Refused: A time is out of bounds, or the robot's own grasp is to be played on a person's hand.
     """
-    _check(closing_s, hold_s)
-    t_s, wish = _timed(way, closing_s, hold_s)
+    t_s, wish = there_and_back(way, closing_s, hold_s, _GRID_S)
     placed = _placed(wish, hand, patient_side, device, limits, t_s)
     digest = hashlib.sha256(np.ascontiguousarray(way.joints_rad).tobytes()).hexdigest()
     path = ReferencePath(device.joint_names, t_s, placed.q_rad, digest, patient_side)
@@ -75,16 +74,6 @@ def reference_from_grasp(
         take_start_s=0.0,
         take_t_s=timed.from_s,
     )
-
-
-def _timed(way: GraspPath, closing_s: float, hold_s: float) -> tuple[Float64, Float64]:
-    """Times (K,) and angles (K, 21) there and back, each way with least jerk."""
-    whole_s = 2.0 * closing_s + hold_s
-    t_s = np.linspace(0.0, whole_s, int(np.ceil(whole_s / _GRID_S)) + 1)
-    u = np.clip(np.minimum(t_s, whole_s - t_s) / closing_s, 0.0, 1.0)
-    along = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
-    wish: Float64 = CubicSpline(way.s, way.joints_rad)(along)
-    return t_s, wish
 
 
 def _placed(
@@ -109,9 +98,3 @@ def _placed(
     rms = np.sqrt(((shown - played) ** 2).sum(axis=2).mean(axis=0))
     budget = {digit: float(value) for digit, value in zip(DIGITS, rms, strict=True)}
     return Placed(bounded, budget, posture_notes(ROBOT_JOINTS, asked, low, high, t_s))
-
-
-def _check(closing_s: float, hold_s: float) -> None:
-    for thing, value, low, high in (("closing", closing_s, 0.5, 30.0), ("hold", hold_s, 0.0, 60.0)):
-        if not low <= value <= high:
-            raise Refused(f"{thing} time", f"{value:g} s", f"{low:g} to {high:g} s", "choose another time")

@@ -83,7 +83,7 @@ def retime(path: ReferencePath, limits: Limits, speed: float, take_start_s: floa
     note = (
         f"Slowed locally to keep the limits at {100 * speed:.0f} % of the therapist's speed: "
         f"{slowed_s:.1f} of {spline.duration_s:.1f} s, most {at} ({name} would move at {moves}, {allowed}); "
-        f"one pass lasts {retimed.t_s[-1] / speed:.0f} s instead of {spline.duration_s / speed:.0f} s."
+        f"one pass lasts {retimed.t_s[-1] / speed:.1f} s instead of {spline.duration_s / speed:.1f} s."
     )
     return Retimed(retimed, from_s, note)
 

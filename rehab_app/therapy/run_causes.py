@@ -52,13 +52,26 @@ _SENTENCES: dict[str, str] = {
     "sweep": "The guided assessment is complete.",
     "take-over": "The patient's own movement has ended: the robot goes on gently.",
 }
+_ORDERS = {
+    "Pause": "Pause",
+    "Resume": "Resume",
+    "Reverse": "Back",
+    "Advance": "Next",
+    "next repetition": "Next",
+    "Reset": "Reset",
+    "SetSpeed": "Another speed",
+}
 
 
 def sentence_of(event: SafetyEvent) -> str:
     """One sentence on an event; a cause that is not known here is given by its code."""
-    code = event.cause.split(" ", 1)
-    if code[0] == "device-fault" and len(code) == 2:
-        return f"The device reported a fault: {code[1]}."
+    code, _, rest = event.cause.partition(" ")
+    if code == "device-fault" and rest:
+        return f"The device reported a fault: {rest}."
+    if code == "cue-relax" and rest:
+        return f"Helping more met more load: cue the patient to relax ({', '.join(rest.split())})."
+    if code == "order-refused" and rest:
+        return f"{_ORDERS.get(rest, rest)} was not possible just then."
     where = f" ({event.joint})" if event.joint else ""
     known = _SENTENCES.get(event.cause)
     if known is not None:
@@ -66,3 +79,8 @@ def sentence_of(event: SafetyEvent) -> str:
     if event.state in (SafetyState.CAT1, SafetyState.CAT0, SafetyState.HOLD, SafetyState.COMPLIANT):
         return f"The supervisor went to {event.state.name} for {event.cause}{where}."
     return f"The run reported {event.cause}{where}."
+
+
+def words_of(cause: str) -> str:
+    """One sentence on a cause that no joint is known of, such as why a run ended."""
+    return _SENTENCES.get(cause, f"The run reported {cause}.")

@@ -26,7 +26,7 @@ from rehab_app.web import stop
 from rehab_app.web.gateway import picture, wire
 from rehab_app.web.gateway.client_page import ClientPages
 from rehab_app.web.guard import Guard, own_names
-from rehab_app.web.pages import entry, live, marker_names, patients, recordings
+from rehab_app.web.pages import entry, live, live_run, marker_names, patients, recordings
 from rehab_app.web.remember import Remembered
 from rehab_app.web.render import page_templates, render
 from rehab_app.web.signing import Seal, clinic_key
@@ -110,10 +110,16 @@ def _live_routes() -> list[BaseRoute]:
         does("beat", live.beat, "view"),
         does("record", live.record, "record"),
         does("finish", live.finish, "record"),
-        does("play", live.play, "play"),
-        does("pause", live.pause, "play"),
-        does("resume", live.resume, "play"),
-        does("speed", live.speed, "play"),
+        Route("/live/limits", page(live_run.limits), methods=["GET"]),
+        does("play", live_run.play, "play"),
+        does("measure", live_run.measure, "play"),
+        does("fit", live_run.fit, "play"),
+        does("pause", live_run.pause, "play"),
+        does("resume", live_run.resume, "play"),
+        does("reverse", live_run.reverse, "play"),
+        does("next", live_run.advance, "play"),
+        does("speed", live_run.speed, "play"),
+        does("target", live.target, "play"),
         does("pain", live.pain, "stop"),
     ]
 

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from rehab_app.errors import Refused
+from rehab_app.services.live_target import way_of
 from rehab_app.services.snapshot import BUSY, LiveSnapshot
 from rehab_app.web.render import day
 from rehab_app.web.site import Site
-from rehab_app.web.words import PHASES, STATES
+from rehab_app.web.words import ASKED, MODES, NEXT, PHASES, ROBOTS, RUNS, STATES
 
 
 def live_state(site: Site, page: str) -> dict[str, Any]:
@@ -23,18 +24,23 @@ def live_state(site: Site, page: str) -> dict[str, Any]:
     now = site.clinic.live.snapshot()
     return {
         "state": now.state,
-        "word": "Held" if now.paused else STATES[now.state],
-        "message": now.message,
+        "word": _word(now),
+        "message": now.message if now.paused else ASKED.get(_going(now), now.message),
         "busy": now.state in BUSY,
         "stopped": bool(now.stop_source),
         "paused": now.paused,
+        "reversing": now.reversing,
+        "kind": now.kind,
+        "acts": acts_of(now),
+        "run": _run(now),
+        "notes": now.notes,
         "frame": now.frame,
         "t_s": round(now.t_s, 3),
         "patient": _patient(site, now),
         "side": now.side,
         "take": now.take_id,
         "session": now.session_id,
-        "phase": PHASES.get(now.phase, now.phase.capitalize()),
+        "phase": _phase(now),
         "repetition": now.repetition + 1,
         "repetitions": now.repetitions,
         "speed_percent": round(100.0 * now.speed),
@@ -44,7 +50,75 @@ def live_state(site: Site, page: str) -> dict[str, Any]:
         "dropped": now.dropped,
         "countdown_s": now.countdown_s,
         "error_mm": _error_mm(now),
+        "target": _target(now),
         "operator": site.operator.is_(page),
+    }
+
+
+def _going(now: LiveSnapshot) -> str:
+    """The phase of a run that goes on, "" otherwise."""
+    return now.phase if now.state == "playing" else ""
+
+
+def _word(now: LiveSnapshot) -> str:
+    if now.paused:
+        return "Held"
+    if now.state != "playing":
+        return STATES[now.state]
+    return "Going back" if now.reversing else RUNS.get(now.kind, STATES["playing"])
+
+
+def _phase(now: LiveSnapshot) -> str:
+    """The phase in words; in a posture of the sweep, whose turn it is."""
+    words = PHASES.get(now.phase, now.phase.capitalize())
+    if now.kind == "range" and now.started_by and now.phase != "rest":
+        return words + (": alone" if now.started_by == "patient" else ": led on")
+    return words
+
+
+def acts_of(now: LiveSnapshot) -> dict[str, str]:
+    """Buttons of the run that goes on, by verb, in words; what is not here cannot be asked for now."""
+    if now.state != "playing":
+        return {}
+    if now.phase == "skin-check" and not now.paused:
+        return {"resume": "✓ Skin looked at: go on"}
+    if now.paused:
+        return {"resume": "▶ Resume"}
+    if now.reversing:
+        return {"pause": "❚❚ Pause", "resume": "▶ Resume forwards"}
+    acts = {"pause": "❚❚ Pause"}
+    if now.kind == "range":
+        acts |= {"reverse": "◀ Back to rest", "next": "» " + _next_posture(now)}
+    elif now.kind == "therapy":
+        acts["reverse"] = "◀ Reverse"
+        if now.phase in NEXT:
+            acts["next"] = "» " + NEXT[now.phase]
+    return acts
+
+
+def _next_posture(now: LiveSnapshot) -> str:
+    if now.phase == "rest":
+        return "Next posture"
+    return "Lead on" if now.started_by == "patient" else "Next"
+
+
+def _run(now: LiveSnapshot) -> str:
+    """What is run, on what: Active-assisted, exoskeleton (simulation)."""
+    if not now.kind:
+        return ""
+    names = {"range": "Today's range", "fit": "Fit check"}
+    return f"{names.get(now.kind) or MODES.get(now.mode, now.mode)}, {ROBOTS.get(now.device, now.device)}"
+
+
+def _target(now: LiveSnapshot) -> dict[str, Any]:
+    """The target grip, how far the hand is from it, and why there is none."""
+    found, way = now.grip, way_of(now)
+    return {
+        "words": found.words,
+        "refused": found.refused,
+        "ready": found.target is not None,
+        "to_go_mm": None if way is None else round(1e3 * way.farthest_m),
+        "farthest": "" if way is None else way.farthest,
     }
 
 

@@ -98,6 +98,11 @@ def moment(utc_ns: int) -> str:
     return f"{read.day} {read:%b %Y, %H:%M}"
 
 
+def clock(utc_ns: int) -> str:
+    """A time of today in the clinic's own time zone: 14:05."""
+    return f"{datetime.fromtimestamp(utc_ns // 1_000_000_000, tz=UTC).astimezone():%H:%M}"
+
+
 def instant(utc_ns: int) -> str:
     """The same for machines, ISO 8601."""
     return datetime.fromtimestamp(utc_ns // 1_000_000_000, tz=UTC).isoformat()

@@ -8,6 +8,11 @@ MODES = {
     "transparent": "Active (transparent)",
     "resistive": "Resisted",
 }
+ROBOTS = {
+    "exoskeleton": "Exoskeleton (simulation)",
+    "dlr-hit-ii": "DLR-HIT-Hand II (simulation)",
+}
+SPACES = {"joint": "at the joints", "fingertip": "at the fingertips"}
 EXERCISES = {
     "open_close": "Hand opening and closing",
     "index_pip": "Index PIP flexion",
@@ -15,6 +20,8 @@ EXERCISES = {
     "pinch": "Tip pinch",
     "spread": "Finger abduction (spread)",
     "still": "Hold still",
+    "range of motion sweep": "Today's range, measured",
+    "fit check": "Fit check",
 }
 TWINS = {
     "healthy": "Healthy",
@@ -23,9 +30,12 @@ TWINS = {
     "mas1+": "Spastic, MAS 1+",
     "mas2": "Spastic, MAS 2",
     "mas3": "Spastic, MAS 3",
+    "contracture": "Contracture",
     "tremor": "Tremor",
+    "clonus": "Clonus",
     "slacking": "Slacking",
     "resisting": "Resisting",
+    "tiring": "Tiring",
 }
 PHASES = {
     "approach": "Moving to the start",
@@ -37,6 +47,13 @@ PHASES = {
     "rest": "Rest",
     "stopped": "Stopped",
     "done": "Finished",
+    "open": "Open hand",
+    "tabletop": "Tabletop",
+    "hook": "Hook fist",
+    "fist": "Full fist",
+    "check": "Joint by joint",
+    "rest-proposed": "Rest of a minute",
+    "skin-check": "Look at the skin",
 }
 STATES = {
     "idle": "Ready",
@@ -49,3 +66,17 @@ STATES = {
     "done": "Done",
     "failed": "Failed",
 }
+ASKED = {
+    "cue": "Cue the patient: it is their turn.",
+    "rest-proposed": "The hand is tiring: let it rest for a minute, or end the rest.",
+    "skin-check": "Look at the skin, then go on.",
+}
+"""What a phase asks of the therapist."""
+RUNS = {"therapy": "Playing", "range": "Measuring", "fit": "Checking fit"}
+NEXT = {
+    "cue": "Help now",
+    "hold": "End the hold",
+    "rest": "Next repetition now",
+    "rest-proposed": "End the rest",
+}
+"""What comes next in therapy, by phase; in every other phase there is nothing to be asked for."""

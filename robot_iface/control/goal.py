@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from robot_iface.motion import PathState, Setpoint
 from robot_iface.types import DeviceCommand, DeviceState, Float64
 
 
-@dataclass(frozen=True, slots=True)
-class Goal:
+class Goal(NamedTuple):
     """What one tick asks of the control law; the modes differ in nothing else. Arrays are (J,).
+
+    A tuple, because one is made in every tick.
 
     Attributes:
         setpoint: Where the joints should be.

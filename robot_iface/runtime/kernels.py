@@ -179,3 +179,37 @@ def sum_up(sums: Float64, q_rad: Float64, dq_rad_s: Float64, tau_nm: Float64) ->
         sums[7, joint] += q * t
         sums[8, joint] += w * t
         sums[9, joint] += t * t
+
+
+@compiled
+def write_row(
+    block: Float64,
+    row: int,
+    q: Float64,
+    dq: Float64,
+    tau: Float64,
+    interaction: Float64,
+    reference: Float64,
+    wanted_q: Float64,
+    wanted_dq: Float64,
+    stiffness: Float64,
+    damping: Float64,
+    forward: Float64,
+    requested: Float64,
+    applied: Float64,
+) -> None:
+    """Write the columns of one tick, (J,) each, in their order into one row of a block, (ticks, 12 J)."""
+    joints = q.size
+    for joint in range(joints):
+        block[row, joint] = q[joint]
+        block[row, joints + joint] = dq[joint]
+        block[row, 2 * joints + joint] = tau[joint]
+        block[row, 3 * joints + joint] = interaction[joint]
+        block[row, 4 * joints + joint] = reference[joint]
+        block[row, 5 * joints + joint] = wanted_q[joint]
+        block[row, 6 * joints + joint] = wanted_dq[joint]
+        block[row, 7 * joints + joint] = stiffness[joint]
+        block[row, 8 * joints + joint] = damping[joint]
+        block[row, 9 * joints + joint] = forward[joint]
+        block[row, 10 * joints + joint] = requested[joint]
+        block[row, 11 * joints + joint] = applied[joint]

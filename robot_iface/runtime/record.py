@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from robot_iface.runtime.kernels import write_row
 from robot_iface.runtime.seal import canonical_bytes
 from robot_iface.types import Float64, PhaseChange, RunEnd, SafetyEvent, TickBlock
 
@@ -42,8 +43,9 @@ class Recorder:
         self._safety = np.empty(BLOCK_TICKS, dtype=np.uint8)
         self._joints = joints
         self._block = np.empty((BLOCK_TICKS, len(_ROW_COLUMNS) * joints))
-        self._rows: tuple[Float64, ...] = tuple(self._block)
         self._count = 0
+        still = np.zeros(joints)
+        write_row(self._block, 0, *(still,) * len(_ROW_COLUMNS))  # compiles it
 
     def tick(
         self, t_ns: int, path_s: float, path_speed: float, safety_state: int, rows: tuple[Float64, ...]
@@ -54,7 +56,7 @@ class Recorder:
         self._path[0, count] = path_s
         self._path[1, count] = path_speed
         self._safety[count] = safety_state
-        np.concatenate(rows, out=self._rows[count])
+        write_row(self._block, count, *rows)
         self._count = count + 1
         if self._count == BLOCK_TICKS:
             self._flush()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from robot_iface.errors import Refused
 from robot_iface.ports import HandRobot
 from robot_iface.safety.settling import Settling
 from robot_iface.safety.yielding import BRAKE_NMS_RAD
@@ -25,18 +26,32 @@ class Drive:
         self._settling = Settling(period_s)
 
     def open(self) -> None:
-        """Connect."""
-        self._robot.open()
+        """Connect.
+
+        Raises:
+            Refused: The device cannot be reached.
+        """
+        try:
+            self._robot.open()
+        except OSError as error:
+            silent = f"silent ({error.strerror or 'unreachable'})"
+            raise Refused("device", silent, "reachable", "check its connection") from error
 
     def close(self) -> None:
-        """Cut power and disconnect."""
+        """Cut power and disconnect; a device that is gone already is left alone."""
         self.cut_power()
-        self._robot.close()
+        try:
+            self._robot.close()
+        except OSError as error:
+            self.lost = error.strerror or "unreachable"
 
     def clear_faults(self) -> None:
         """Clear device faults whose cause is gone."""
         self.lost = ""
-        self._robot.clear_faults()
+        try:
+            self._robot.clear_faults()
+        except OSError as error:
+            self.lost = error.strerror or "unwritable"
 
     def read(self) -> DeviceState | None:
         """The newest state, None if the device cannot be read."""
@@ -47,9 +62,13 @@ class Drive:
             return None
 
     def enable(self) -> None:
-        """Power the motors."""
-        self._robot.enable()
-        self.powered = True
+        """Power the motors; where that fails nobody knows whether they have it, so it is cut."""
+        try:
+            self._robot.enable()
+            self.powered = True
+        except OSError as error:
+            self.cut_power()
+            self.lost = error.strerror or "unwritable"
 
     def send(self, command: DeviceCommand) -> None:
         """Write a command; a device that cannot be written is cut off in the next tick."""

@@ -99,7 +99,6 @@ class Envelope:
         self._table = _table(limits, period_s)
         joints = len(joint_names)
         self._given: Float64 = np.zeros((kernels.INPUT_ROWS, joints))
-        self._flat: Float64 = self._given.reshape(-1)
         self._work: Float64 = np.zeros((kernels.WORK_ROWS, joints))
         self._shape = (kernels.OUT_ROWS, joints)
         self._warm_up()
@@ -108,6 +107,8 @@ class Envelope:
         """Call the kernel once, so that it is compiled before the first tick."""
         zeros, out = np.zeros(self._shape[1]), np.zeros(self._shape)
         kernels.assess(
+            *(zeros, zeros, zeros, zeros, zeros),  # the reading
+            *(zeros, zeros, zeros, zeros, zeros),  # and the request
             *(self._given, False, False, False, zeros, self._table),
             *(self._pairs, self._corners, self._work, out),
         )
@@ -132,23 +133,18 @@ class Envelope:
             continued: Whether the request of the last call is what the device has applied since.
             moving: Whether the motors pursue a goal; otherwise only trust in the sensors is checked.
         """
-        np.concatenate(
-            (
-                state.q_rad,
-                state.q_second_rad,
-                state.dq_rad_s,
-                state.tau_nm,
-                state.tau_interaction_nm,
-                request.q_rad,
-                request.dq_rad_s,
-                request.tau_ff_nm,
-                request.stiffness_nm_rad,
-                request.damping_nms_rad,
-            ),
-            out=self._flat,
-        )
         out: Float64 = np.empty(self._shape)
         bits, load, commanded, speed = kernels.assess(
+            state.q_rad,
+            state.q_second_rad,
+            state.dq_rad_s,
+            state.tau_nm,
+            state.tau_interaction_nm,
+            request.q_rad,
+            request.dq_rad_s,
+            request.tau_ff_nm,
+            request.stiffness_nm_rad,
+            request.damping_nms_rad,
             self._given,
             request.mode is _TORQUE,
             stepped,

@@ -177,7 +177,54 @@ def note(j: int, given: Float64, work: Float64, out: Float64) -> None:
 
 
 @compiled
+def take_in(
+    q: Float64,
+    second: Float64,
+    dq: Float64,
+    tau: Float64,
+    interaction: Float64,
+    wanted_q: Float64,
+    wanted_dq: Float64,
+    wanted_tau: Float64,
+    stiffness: Float64,
+    damping: Float64,
+    given: Float64,
+) -> None:
+    """Reading and request, (J,) each, into the rows of ``given``.
+
+    Raises:
+        ValueError: One of them is for another number of joints.
+    """
+    joints = given.shape[1]
+    for size in (q.size, second.size, dq.size, tau.size, interaction.size):
+        if size != joints:
+            raise ValueError("the reading is for another number of joints")
+    for size in (wanted_q.size, wanted_dq.size, wanted_tau.size, stiffness.size, damping.size):
+        if size != joints:
+            raise ValueError("the request is for another number of joints")
+    for j in range(joints):
+        given[Q, j], given[SECOND, j], given[DQ, j] = q[j], second[j], dq[j]
+        given[TAU, j], given[INTERACTION, j] = tau[j], interaction[j]
+        given[WANTED, j], given[WANTED + 1, j], given[WANTED + 2, j] = (
+            wanted_q[j],
+            wanted_dq[j],
+            wanted_tau[j],
+        )
+        given[WANTED + 3, j], given[WANTED + 4, j] = stiffness[j], damping[j]
+
+
+@compiled
 def assess(
+    q: Float64,
+    second: Float64,
+    dq: Float64,
+    tau: Float64,
+    interaction: Float64,
+    wanted_q: Float64,
+    wanted_dq: Float64,
+    wanted_tau: Float64,
+    stiffness: Float64,
+    damping: Float64,
     given: Float64,
     torque_mode: bool,
     stepped: bool,
@@ -189,10 +236,20 @@ def assess(
     work: Float64,
     out: Float64,
 ) -> tuple[int, float, float, float]:
-    """Check reading and request of one tick.
+    """Check reading and request of one tick, (J,) each.
 
     Args:
-        given: Reading and request, INPUT_ROWS rows.
+        q: Of the reading: positions.
+        second: Positions by the second sensor.
+        dq: Speeds.
+        tau: Motor torques.
+        interaction: Torques on the patient.
+        wanted_q: Of the request: positions.
+        wanted_dq: Speeds.
+        wanted_tau: Feed-forward torques.
+        stiffness: K.
+        damping: D.
+        given: Is filled with all of these, INPUT_ROWS rows.
         torque_mode: Whether the request is its feed-forward torque alone.
         stepped: Whether the request of the last tick came from the same source, so that they may be compared.
         continued: Whether what was noted as applied in the last tick was.
@@ -206,7 +263,11 @@ def assess(
     Returns:
         Bits of the rules that are broken, NOT_FINITE and CHANGED; the largest load as a share of its limit;
         the highest commanded and the highest measured speed.
+
+    Raises:
+        ValueError: Reading or request are for another number of joints.
     """
+    take_in(q, second, dq, tau, interaction, wanted_q, wanted_dq, wanted_tau, stiffness, damping, given)
     observe(given, continued, table, work)
     pull_in(given, table, pairs, corners, out)
     coupled_excess(given, pairs, corners, work)

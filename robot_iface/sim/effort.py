@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot_iface.errors import Refused
 from robot_iface.sim import muscles
@@ -21,9 +22,17 @@ __all__ = [
     "spasm_rows",
 ]
 
-_SLACK_PER_REPETITION = 0.85
+_SLACK_PER_REPETITION = 0.7
+_ROUSED_PER_RAD = 1.0
 _CLONUS_HZ = (5.0, 7.0)
 _MCP: Float64 = np.array([1.0 if name.endswith("mcp_flexion") else 0.0 for name in DRIVEN])
+_PROXIMAL: NDArray[np.bool_] = np.array(
+    ["cmc" in name or (name.endswith("mcp_flexion") and "thumb" not in name) for name in DRIVEN]
+)
+# at the first joint of a digit (MCP, the thumb's CMC) and beyond it
+_REFLEX_NM = (0.5, 0.3)  # largest stretch reflex (assumed)
+_FLEXORS_NM = (2.0, 1.0)  # strength: about 25 N at the fingertip, half a healthy adult's (assumed)
+_EXTENSORS_SHARE = 0.5
 _FLEXES: Float64 = np.array([0.0 if name.endswith("abduction") else 1.0 for name in DRIVEN])
 
 
@@ -55,7 +64,7 @@ class PatientEffort:
         self._who: Float64 = np.array(
             [patient.ability, patient.spasticity_nms_rad, patient.tires_j, patient.clonus_nm, beats_hz]
         )
-        self._state = np.zeros(9)
+        self._state = np.zeros(muscles.STATE_PLACES)
         self._state[muscles.WILLINGNESS] = self._state[muscles.STEP_S] = 1.0
         self._state[muscles.WANTS] = float(patient.will == "resist")
         self._torque_nm = np.zeros(len(DRIVEN))
@@ -74,6 +83,11 @@ class PatientEffort:
         tired = float(np.exp(-self._state[muscles.WORK_J] / self._patient.tires_j))
         return self._patient.ability * tired
 
+    @property
+    def willingness(self) -> float:
+        """Share of the ability that is given when asked, 0 to 1: what slacking has left of it."""
+        return float(self._state[muscles.WILLINGNESS])
+
     def cue(self, path_rad: Float64, step_s: float, speed: float) -> None:
         """Ask for the movement whose postures stand ``step_s`` apart in ``path_rad``, (M, 12)."""
         if self._patient.will in ("none", "resist"):
@@ -84,7 +98,19 @@ class PatientEffort:
         self._state[muscles.OWN_S] = self._state[muscles.ROBOT_S] = 0.0
         self._state[muscles.WANTS] = 1.0
         if self._patient.will == "slack":
-            self._state[muscles.WILLINGNESS] *= _SLACK_PER_REPETITION
+            self._slack()
+
+    def _slack(self) -> None:
+        """Effort falls from cue to cue and is kept up only by having been left behind.
+
+        After Emken & Reinkensmeyer 2007, Wolbrecht 2008: u_{i+1} = f u_i + g e_i minimises effort and error
+        together, so that a robot which removes the error removes the effort. The sizes are assumed.
+        """
+        state = self._state
+        lag_rad = state[muscles.LAG_RAD] / max(state[muscles.LAG_TICKS], 1.0)
+        kept = _SLACK_PER_REPETITION * state[muscles.WILLINGNESS] + _ROUSED_PER_RAD * lag_rad
+        state[muscles.WILLINGNESS] = min(kept, 1.0)
+        state[muscles.LAG_RAD] = state[muscles.LAG_TICKS] = 0.0
 
     def progress(self, path_s: float) -> None:
         """Let the patient see how far the movement has come."""
@@ -165,9 +191,12 @@ def patient_spasms(spasms: tuple[Spasm, ...]) -> Float64:
 
 
 def _joint_rows(patient: VirtualPatient, rest_rad: Float64, phase_rad: Float64) -> Float64:
-    rows = np.zeros((6, len(DRIVEN)))
+    rows = np.zeros((muscles.JOINT_ROWS, len(DRIVEN)))
     rows[muscles.BLOCK_AT] = rest_rad - patient.block_rad
     rows[muscles.BLOCK_STIFFNESS] = patient.block_nm_rad * _FLEXES * float(patient.block_rad > 0.0)
     rows[muscles.TREMOR] = patient.tremor_nm * _MCP
     rows[muscles.PHASE] = phase_rad
+    rows[muscles.REFLEX_CAP] = np.where(_PROXIMAL, *_REFLEX_NM)
+    rows[muscles.FLEXOR_CAP] = np.where(_PROXIMAL, *_FLEXORS_NM)
+    rows[muscles.EXTENSOR_CAP] = _EXTENSORS_SHARE * rows[muscles.FLEXOR_CAP]
     return rows

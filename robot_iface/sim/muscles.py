@@ -24,16 +24,26 @@ _LEAD_RAD = math.radians(15.0)  # how far ahead a patient reaches before the rob
 _BLOCK_DAMPING_NMS_RAD = 0.01
 _CLONUS_FULL_RAD_S = math.radians(60.0)  # a stretch so much over the threshold sets off the full beat
 _CLONUS_FADES_S = 0.8
-_RECOVERY_S = 60.0
+_RECOVERY_S = 600.0  # fatigue of therapy comes and goes in minutes (assumed)
+_TWITCH_S = (
+    0.03  # twice: the twitch of a finger muscle peaks some 60 ms after its nerve (assumed within 50-80 ms)
+)
+_FASTEST_RAD_S = 25.0  # no muscle shortens faster: about the fastest movement of a free finger (assumed)
+_SLACKENS_RAD_S = math.radians(120.0)  # faster than any therapy flexes
+_SLACKENS_S = 0.01
+_TAUT_S = 4.0
 
 # columns of a spasm, before those of its joints
 STARTS, LASTS, SIZE, BEATS_HZ, FIRST_JOINT = range(5)
 # places of what a patient is
 ABILITY, SPASTICITY, TIRES_J, CLONUS, CLONUS_HZ = range(5)
 # places of how a patient is just now
-TICK, EFFORT, WANTS, WILLINGNESS, OWN_S, ROBOT_S, STEP_S, RATE_S, WORK_J = range(9)
+TICK, EFFORT, WANTS, WILLINGNESS, OWN_S, ROBOT_S, STEP_S, RATE_S, WORK_J, LAG_RAD, LAG_TICKS = range(11)
+STATE_PLACES = 11
 # rows of a patient's joints
-BLOCK_AT, BLOCK_STIFFNESS, TREMOR, PHASE, BEAT, BEAT_TURN = range(6)
+BLOCK_AT, BLOCK_STIFFNESS, TREMOR, PHASE, BEAT, BEAT_TURN, REFLEX_CAP, FLEXOR_CAP, EXTENSOR_CAP = range(9)
+ROUSED, REFLEX, SPINDLE_SLACK = 9, 10, 11
+JOINT_ROWS = 12
 
 
 @compiled
@@ -71,18 +81,59 @@ def _goal_row(state: Float64, path: Float64) -> int:
 
 
 @compiled
+def _note_lag(q: Float64, at: Int64, state: Float64, path: Float64) -> None:
+    """Adds how far the joint that lags most is behind the movement, while that goes on."""
+    here = int(state[ROBOT_S] / state[STEP_S])
+    if state[WANTS] == 0.0 or state[ROBOT_S] <= 0.0 or here >= path.shape[0] - 1:
+        return
+    behind = 0.0
+    for j in range(at.size):
+        way = path[here + 1, j] - path[here, j]
+        if way != 0.0:
+            behind = max(behind, (path[here, j] - q[at[j]]) * math.copysign(1.0, way))
+    state[LAG_RAD] += behind
+    state[LAG_TICKS] += 1.0
+
+
+@compiled
 def _reflex(late: float, j: int, who: Float64, joints: Float64) -> float:
-    """Torque of the stretch reflex, and of the beats that a fast stretch sets off."""
+    """Torque of the stretch reflex, and of the beats that a fast stretch sets off.
+
+    The nerve's call is bounded, and the muscle answers it as two equal lags: without them a fast delayed
+    loop would shake the soft tissue at 50 Hz, which no muscle can do. Spindles that a fast flexion has left
+    slack call less until they are taut again (thixotropy, after Proske, Morgan & Gregory 1993; times
+    assumed): a hand that snaps shut does not shake on for ever.
+    """
     excess = max(-REFLEX_THRESHOLD_RAD_S - late, 0.0)
+    joints[SPINDLE_SLACK, j] *= 1.0 - PERIOD_S / _TAUT_S
+    if late > _SLACKENS_RAD_S:
+        joints[SPINDLE_SLACK, j] += (1.0 - joints[SPINDLE_SLACK, j]) * (PERIOD_S / _SLACKENS_S)
+    call = (1.0 - joints[SPINDLE_SLACK, j]) * min(who[SPASTICITY] * excess, joints[REFLEX_CAP, j])
+    joints[ROUSED, j] += (call - joints[ROUSED, j]) * (PERIOD_S / _TWITCH_S)
+    joints[REFLEX, j] += (joints[ROUSED, j] - joints[REFLEX, j]) * (PERIOD_S / _TWITCH_S)
+    return joints[REFLEX, j] + _beat(excess, j, who, joints)
+
+
+@compiled
+def _beat(excess: float, j: int, who: Float64, joints: Float64) -> float:
+    """Torque of the beats that a fast stretch sets off in a clonic hand."""
     if who[CLONUS] == 0.0:
-        return who[SPASTICITY] * excess
+        return 0.0
     beat = who[CLONUS] * min(excess / _CLONUS_FULL_RAD_S, 1.0)
     joints[BEAT, j] = max(joints[BEAT, j] * (1.0 - PERIOD_S / _CLONUS_FADES_S), beat)
     if joints[BEAT, j] < 1e-3 * who[CLONUS]:
         joints[BEAT, j] = joints[BEAT_TURN, j] = 0.0
     joints[BEAT_TURN, j] += 2.0 * math.pi * who[CLONUS_HZ] * PERIOD_S
     pull = max(math.sin(joints[BEAT_TURN, j]), 0.0)
-    return who[SPASTICITY] * excess + joints[BEAT, j] * pull
+    return joints[BEAT, j] * pull
+
+
+@compiled
+def _within_strength(torque: float, speed: float, j: int, joints: Float64) -> float:
+    """What a muscle can give of a torque: no more than its strength, and less the faster it shortens."""
+    if torque * speed > 0.0:
+        torque *= max(1.0 - abs(speed) / _FASTEST_RAD_S, 0.0)
+    return min(max(torque, -joints[EXTENSOR_CAP, j]), joints[FLEXOR_CAP, j])
 
 
 @compiled
@@ -106,8 +157,8 @@ def muscle_torque(
         dq: All speeds, (nq,).
         at: Where the J joints stand in them, (J,).
         who: What the patient is, (5,).
-        state: How the patient is just now, (9,).
-        joints: Tissue ends, tremor and beats of each joint, (6, J).
+        state: How the patient is just now, (STATE_PLACES,).
+        joints: Tissue ends, tremor, beats, reflex and strength of each joint, (JOINT_ROWS, J).
         goals: Postures striven for and the effort in the last column, not yet arrived, (delay, J + 1).
         speeds: Speeds not yet felt, (delay, J).
         path: Postures of the movement, (M, J).
@@ -127,18 +178,21 @@ def muscle_torque(
     effort, power = asked[at.size], 0.0
     asked[at.size] = state[EFFORT]
     turn = 2.0 * math.pi * TREMOR_HZ * PERIOD_S * tick
+    _note_lag(q, at, state, path)
+    out[:] = 0.0
+    spasm_torque(tick * PERIOD_S, spasms, out)
     for j in range(at.size):
-        angle, speed = q[at[j]], dq[at[j]]
+        angle, speed = float(q[at[j]]), float(dq[at[j]])
         own = effort * (_SERVO_STIFFNESS_NM_RAD * (asked[j] - angle) - _SERVO_DAMPING_NMS_RAD * speed)
         power += abs(own * speed)
         asked[j] = path[row, j]
-        torque = own + _reflex(felt[j], j, who, joints)
+        torque = out[j] + own + _reflex(felt[j], j, who, joints)
         felt[j] = speed
         if joints[TREMOR, j] > 0.0:
             torque += joints[TREMOR, j] * math.sin(turn + joints[PHASE, j])
+        torque = _within_strength(torque, speed, j, joints)
         beyond = joints[BLOCK_AT, j] - angle
         if joints[BLOCK_STIFFNESS, j] > 0.0 and beyond > 0.0:
             torque += max(joints[BLOCK_STIFFNESS, j] * beyond - _BLOCK_DAMPING_NMS_RAD * speed, 0.0)
         out[j] = torque
     state[WORK_J] += PERIOD_S * (power - state[WORK_J] / _RECOVERY_S)
-    spasm_torque(tick * PERIOD_S, spasms, out)

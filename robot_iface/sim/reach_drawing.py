@@ -11,6 +11,7 @@ _COLOURS = ("#b3425b", "#2f6db3", "#2e8b57", "#b07d1e", "#6b4fa0")
 _SIDE_PX, _MARGIN_PX, _TOP_PX = 420.0, 50.0, 40.0
 _WIDTH_PX, _HEIGHT_PX = 2 * _SIDE_PX + 3 * _MARGIN_PX, _SIDE_PX + _TOP_PX + 90.0
 _LARGEST_DEG = 90.0
+_EVERY = 4  # a point every 40 ms is as smooth to the eye as one every 10
 _DASHED = ' stroke-dasharray="4 3"'
 
 
@@ -88,5 +89,5 @@ def _frame(left_px: float, title: str) -> str:
 
 
 def _line(points_px: Float64, colour: str, dashed: str = "") -> str:
-    points = " ".join(f"{x:.1f},{y:.1f}" for x, y in points_px)
+    points = " ".join(f"{x:.1f},{y:.1f}" for x, y in (*points_px[:-1:_EVERY], points_px[-1]))
     return f'<polyline points="{points}" fill="none" stroke="{colour}"{dashed}/>'

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy.special import stdtrit
 
 from sessions.metrics.filtering import low_pass, speed_m_s
 from sessions.metrics.metric import Estimate
@@ -80,7 +80,7 @@ def over_strokes(values: list[Estimate]) -> Estimate:
     mean = float(known.mean())
     if known.size < FEWEST_FOR_INTERVAL:
         return Estimate(mean)
-    half = float(stats.t.ppf(0.975, known.size - 1)) * float(known.std(ddof=1)) / math.sqrt(known.size)
+    half = float(stdtrit(known.size - 1, 0.975)) * float(known.std(ddof=1)) / math.sqrt(known.size)
     return Estimate(mean, (mean - half, mean + half))
 
 

@@ -71,6 +71,7 @@ def start_playing(page: Page) -> None:
             clear_stop(page)
         page.get_by_role("tab", name="Therapy").click()
         page.locator("select[name=patient]").select_option(index=1)
+        page.get_by_label("At the robot").check()
         page.get_by_label("Repetitions").fill("5")
         button(page, "Rehearse and play").click()
         expect(desk(page)).to_have_attribute("data-state", "playing")

@@ -44,17 +44,17 @@ def run(orders: tuple[tuple[float, Order], ...]) -> tuple[RunEnd, list[object]]:
 
 
 def test_the_clock_blocks_until_a_person_has_looked_at_the_skin() -> None:
-    end, heard = run(((60.0, Resume()), (120.0, Resume())))
+    end, heard = run(((15.0, Resume()), (30.0, Resume())))
     assert end.completed
     waits = [message for message in heard if isinstance(message, PhaseChange)]
     waits = [phase for phase in waits if phase.phase == "skin-check"]
     assert [e.cause for e in heard if isinstance(e, SafetyEvent)] == ["skin-check", "skin-check"]
-    first, last = waits[0].t_ns * 1e-9, max(w.t_ns for w in waits if w.t_ns < 61e9) * 1e-9
+    first, last = waits[0].t_ns * 1e-9, max(w.t_ns for w in waits if w.t_ns < 15.5e9) * 1e-9
     assert CHECK_S < first < CHECK_S + 8.0
-    assert last > 59.0
+    assert last > 14.0
     blocks = [message for message in heard if isinstance(message, TickBlock)]
     t_s = np.concatenate([block.t_ns for block in blocks]) * 1e-9
-    waiting = (t_s > first + 1.0) & (t_s < 60.0)
+    waiting = (t_s > first + 1.0) & (t_s < 15.0)
     assert not np.concatenate([block.dq_command_rad_s for block in blocks])[waiting].any()
     stiffness = np.concatenate([block.stiffness_nm_rad for block in blocks])[waiting]
     assert stiffness.max() < 0.13, "it rests, it does not hold"

@@ -39,10 +39,30 @@ for (const form of all("form[data-verb]")) {
     ask("/live/" + form.dataset.verb, Object.fromEntries(new FormData(form)));
   });
 }
+// the target grip has no button: it moves nothing, so a choice counts at once
+const aim = document.querySelector("form[data-at-once]");
+function fitAim() {
+  const kind = aim.elements.object.value;
+  for (const part of aim.querySelectorAll("[data-of]")) part.hidden = !part.dataset.of.split(" ").includes(kind);
+  aim.querySelector("[data-size]").textContent = kind === "box" ? "Thickness, mm" : "Diameter, mm";
+}
+aim.addEventListener("change", () => {
+  fitAim();
+  if (aim.reportValidity()) ask("/live/target", Object.fromEntries(new FormData(aim)));
+});
+fitAim();
+
 for (const button of all("[data-do]")) {
   button.addEventListener("click", async () => {
     if (button.dataset.do !== "approve") return void ask("/live/" + button.dataset.do, {});
     if (await ask("/takes/" + now.take + "/approve", { back: "live" })) await listTakes(now.take);
+  });
+}
+// today's range and the fit: the same form, another verb; no take is needed for them
+const order = byId("panel-play");
+for (const button of all("[data-ask]")) {
+  button.addEventListener("click", () => {
+    if (order.reportValidity()) ask("/live/" + button.dataset.ask, Object.fromEntries(new FormData(order)));
   });
 }
 byId("speed").addEventListener("pointerdown", () => { heldSpeed = true; });
@@ -125,13 +145,27 @@ function show(state) {
   word.className = "chip " + (now.paused ? "caution" : KINDS[now.state] ?? "");
   const playing = now.state === "playing";
   figure("phase", playing ? now.phase : "");
-  figure("repetition", playing && now.repetition > 0 ? `${now.repetition} of ${now.repetitions}` : "");
+  fill("run", now.run);
+  fill("counted", now.kind === "range" ? "Posture" : "Repetition");
+  figure("repetition", playing && now.repetitions && now.repetition > 0 ? `${now.repetition} of ${now.repetitions}` : "");
   figure("tracking", now.state === "recording" && now.tracking_percent !== null ? `${now.tracking_percent} %` : "");
+  showTarget();
   showQuality();
   showPatient();
   if (performance.now() > refusedUntil) say(now.message, now.state === "failed" ? "bad" : now.paused ? "caution" : "");
   showDesk();
   if (now.state === "done" && now.take && !now.session && now.take !== knownTake) listTakes("");
+  if (now.state !== lastState) { lastState = now.state; if (now.state === "done" || now.state === "failed") askLimits(); }
+}
+
+function showTarget() {
+  const to = now.target.to_go_mm;
+  figure("target", to === null ? "" : `${to} mm (${now.target.farthest})`);
+  fill("target-words", now.target.refused ? "not possible" : now.target.words || "none");
+  fill("target-why", now.target.refused ? now.target.words : "");
+  byId("aim").dataset.refused = String(now.target.refused);
+  byId("aim").hidden = ["countdown", "recording", "processing"].includes(now.state);
+  for (const part of aim.elements) part.disabled = main.dataset.mayPlay === "no";
 }
 
 function showQuality() {
@@ -152,10 +186,14 @@ function showQuality() {
 function showDesk() {
   byId("idle-desk").hidden = now.busy || now.state === "stopped";
   byId("busy-desk").hidden = !now.busy;
-  for (const part of all("#busy-desk [data-in]")) {
-    const right = part.dataset.paused === undefined || (part.dataset.paused === "yes") === now.paused;
-    part.hidden = !part.dataset.in.split(" ").includes(now.state) || !right;
+  for (const part of all("#busy-desk [data-in]")) part.hidden = !part.dataset.in.split(" ").includes(now.state);
+  for (const part of all("#busy-desk [data-act]")) {
+    const words = now.acts[part.dataset.do];
+    part.hidden = words === undefined;
+    if (words !== undefined && part.textContent !== words) part.textContent = words;
   }
+  list("notes", now.notes);
+  byId("notes").hidden = !now.notes.length;
   if (main.dataset.mayPlay === "no") for (const part of all("#busy-desk button:not([data-do=pain]), #speed")) part.disabled = true;
   byId("countdown").hidden = now.state !== "countdown";
   byId("countdown").firstElementChild.textContent = String(Math.ceil(now.countdown_s));
@@ -164,8 +202,8 @@ function showDesk() {
     byId("speed-out").textContent = now.speed_percent + " %";
   }
   const ended = now.state === "done" || now.state === "stopped";
-  byId("after").hidden = !(ended && (now.take || now.session));
-  for (const part of all("[data-after=take]")) part.hidden = Boolean(now.session) || !now.take;
+  byId("after").hidden = !(ended && (now.session || (now.take && !now.kind)));
+  for (const part of all("[data-after=take]")) part.hidden = Boolean(now.session || now.kind) || !now.take;
   for (const part of all("[data-after=session]")) part.hidden = !now.session;
   fill("take", now.take); fill("session", now.session);
   link("take", "/takes/" + now.take);
@@ -197,7 +235,69 @@ async function listTakes(chosen) {
   if (options.length) list.replaceChildren(...options);
   if (chosen) choose(byId("tab-play"));
 }
-document.querySelector("select[name=patient]").addEventListener("change", showPatient);
+
+// --- whom it is for: name, birth date and side are compared by a person before anything moves
+
+let lastState = "";
+let limitsAsked = 0;
+
+function list(name, sentences) {
+  const place = document.querySelector(`[data-list=${name}]`);
+  if (place.dataset.said === sentences.join("\n")) return;
+  place.dataset.said = sentences.join("\n");
+  place.replaceChildren(...sentences.map((text) => {
+    const item = document.createElement("li");
+    item.textContent = text;
+    return item;
+  }));
+  place.scrollTop = place.scrollHeight;
+}
+
+function confirmAnew() {
+  const chosen = order.elements.patient.selectedOptions[0];
+  const box = order.elements.present;
+  byId("confirm").hidden = !chosen.value;
+  box.checked = false;
+  box.required = Boolean(chosen.value);
+  box.value = chosen.value;
+  if (chosen.value) fill("who", `${chosen.dataset.name}, ${chosen.dataset.born}, ${chosen.dataset.side.toUpperCase()} hand`);
+  showPatient();
+}
+
+async function askLimits() {
+  const asked = ++limitsAsked;
+  const { patient, device, wrist } = order.elements;
+  const query = new URLSearchParams({ patient: patient.value, device: device.value, wrist: wrist.value });
+  const answer = await fetch("/live/limits?" + query, { headers: { Accept: "application/json" } });
+  if (!answer.ok || asked !== limitsAsked) return;
+  const told = await answer.json();
+  fill("limits", told.words);
+  byId("limits").dataset.kind = told.kind;
+  list("limits", told.more);
+  for (const button of all("[data-ask]")) button.disabled = main.dataset.mayPlay === "no" || !told.worn || !told.patient;
+  for (const option of order.elements.mode.options) {
+    const plain = option.dataset.plain ??= option.textContent;
+    option.disabled = option.value in told.locked;
+    option.textContent = plain + (option.disabled ? " (locked)" : "");
+  }
+  showMode(told.locked);
+}
+
+let locks = {};
+function showMode(locked) {
+  locks = locked ?? locks;
+  const mode = order.elements.mode.value;
+  byId("locked").hidden = !(mode in locks);
+  byId("locked").textContent = locks[mode] ?? "";
+  for (const part of order.querySelectorAll("[data-mode]")) part.hidden = part.dataset.mode !== mode;
+}
+
+order.elements.patient.addEventListener("change", () => { confirmAnew(); askLimits(); });
+order.elements.device.addEventListener("change", askLimits);
+order.elements.wrist.addEventListener("change", askLimits);
+order.elements.mode.addEventListener("change", () => showMode());
+confirmAnew();
+askLimits();
 
 // --- cameras: asked for when the list is about to be used, because looking for devices takes a moment
 

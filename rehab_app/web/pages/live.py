@@ -1,19 +1,19 @@
-"""The live page: record, approve, play, hold, and the state that the page shows."""
+"""The live page: what it shows, recording, the target grip, pain. Runs are in ``live_run``."""
 
 from __future__ import annotations
-
-import math
-from pathlib import Path
 
 from starlette.responses import JSONResponse, Response
 
 from rehab_app.errors import Refused
+from rehab_app.services.grip_target import choice_fields, grip_choice
 from rehab_app.services.recording_request import LIVE_KINDS, PROTOCOL, VIRTUAL
 from rehab_app.web.live_state import live_state
+from rehab_app.web.pages.asked import number
 from rehab_app.web.visit import Visit
-from rehab_app.web.words import EXERCISES, MODES, TWINS
+from rehab_app.web.words import EXERCISES, MODES, ROBOTS, SPACES, TWINS
 from sessions.records import DIGITS
 
+_MILLIMETRES = "a number of millimetres"
 _SECONDS = ("recording length", "a number of seconds")
 
 
@@ -28,8 +28,11 @@ def live(visit: Visit) -> Response:
         patients=clinic.patients.list(),
         modes=MODES,
         twins=TWINS,
+        robots=ROBOTS,
+        spaces=SPACES,
         chosen_patient=visit.request.query_params.get("patient", ""),
         chosen_take=visit.request.query_params.get("take", ""),
+        aim=choice_fields(clinic.live.target.choice),
     )
 
 
@@ -69,8 +72,8 @@ def record(visit: Visit) -> Response:
         visit.account,
         visit.asked("exercise"),
         visit.asked("side"),
-        _number(visit, "seconds", *_SECONDS),
-        countdown_s=_number(visit, "countdown", "countdown", "a number of seconds"),
+        number(visit, "seconds", *_SECONDS),
+        countdown_s=number(visit, "countdown", "countdown", "a number of seconds"),
         camera=_camera(visit),
         protocol=_protocol(visit),
         person=visit.asked("person"),
@@ -103,39 +106,14 @@ def finish(visit: Visit) -> Response:
     return visit.go("/live", "The recording was ended.")
 
 
-def play(visit: Visit) -> Response:
-    """Rehearse, then play. Takes are named by catalogue id only."""
-    visit.site.clinic.live.start_therapy(
-        visit.account,
-        visit.asked("patient") or None,
-        _take(visit),
-        mode=visit.asked("mode"),
-        speed=_number(visit, "speed", "speed", "a number of percent") / 100.0,
-        repetitions=_whole(visit, "repetitions"),
-        twin=visit.asked("twin"),
-    )
-    visit.site.operator.take_over(visit.asked("page"))
-    return visit.go("/live", "Rehearsing on the virtual twin.")
-
-
-def pause(visit: Visit) -> Response:
-    """Hold the path."""
-    visit.site.clinic.live.pause(visit.account)
-    return visit.go("/live", "Paused.")
-
-
-def resume(visit: Visit) -> Response:
-    """Go on; the page that resumes is the operator's from now on."""
-    visit.site.operator.take_over(visit.asked("page"))
-    visit.site.clinic.live.resume(visit.account)
-    return visit.go("/live", "Going on.")
-
-
-def speed(visit: Visit) -> Response:
-    """Another path speed, in percent of the therapist's."""
-    asked = _number(visit, "speed", "speed", "a number of percent")
-    visit.site.clinic.live.set_speed(visit.account, asked / 100.0)
-    return visit.go("/live", f"Speed {asked:.0f} %.")
+def target(visit: Visit) -> Response:
+    """Show a target grip beside the hands, or none; it moves nothing and may change at any time."""
+    kind = visit.asked("object")
+    size_mm = 0.0 if kind == "none" else number(visit, "size", "size of the object", _MILLIMETRES)
+    width_mm = number(visit, "width", "width of the object", _MILLIMETRES) if kind == "box" else 0.0
+    choice = grip_choice(kind, size_mm, visit.asked("grip") or "transverse", width_mm)
+    visit.site.clinic.live.target.choose(visit.account, choice)
+    return visit.go("/live", "No target grip." if choice is None else f"Target: {choice.words}.")
 
 
 def pain(visit: Visit) -> Response:
@@ -147,15 +125,6 @@ def pain(visit: Visit) -> Response:
     held = desk.snapshot().state == "playing"
     desk.pain(visit.account, digit)
     return visit.go("/live", "Pain is noted, the movement is held." if held else "Pain is noted.")
-
-
-def _take(visit: Visit) -> str:
-    named = visit.asked("take")
-    if not named:
-        raise Refused("take", "not chosen", "an approved take", "choose one, or record and approve one first")
-    if Path(named).name != named or not named.isalnum():
-        raise Refused(f"take {named!r}", "no catalogue id", "letters and digits", "choose it from the list")
-    return named
 
 
 def _camera(visit: Visit) -> str:
@@ -173,21 +142,3 @@ def _protocol(visit: Visit) -> str:
     if named not in known:
         raise Refused("marker protocol", repr(named[:40]), "one of " + ", ".join(known), "choose it")
     return named
-
-
-def _number(visit: Visit, name: str, thing: str, bound: str) -> float:
-    text = visit.asked(name)
-    try:
-        value = float(text.replace(",", "."))
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise Refused(thing, repr(text), bound, "type one")
-    return value
-
-
-def _whole(visit: Visit, name: str) -> int:
-    text = visit.asked(name)
-    if not (text.isascii() and text.isdecimal() and len(text) <= 6):
-        raise Refused(name, repr(text), "a whole number", "type one")
-    return int(text)

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from rehab_app.services.clinic import Clinic
+from rehab_app.services.live_target import way_of
 from rehab_app.services.snapshot import BUSY, LiveSnapshot
 from rehab_app.web.viewport import verdict
 from rehab_app.web.viewport.painter import Painter
@@ -76,7 +77,7 @@ class LiveViewport:
             self._room.therapist_trail.clear()
         self._panel.camera.visible = snapshot.state in ("countdown", "recording", "processing")
         self._panel.compare(
-            snapshot.state in ("rehearsing", "playing", "stopped", "done") and snapshot.repetitions > 0
+            snapshot.state in ("rehearsing", "playing", "stopped", "done") and snapshot.kind == "therapy"
         )
         self._state, self._seen = snapshot.state, False
 
@@ -100,6 +101,7 @@ class LiveViewport:
         stale = self._seen and snapshot.state in _MOVING and time.monotonic() - self._fresh_s > STALE_S
         shown = verdict.Verdict("alarm", "STALE: this picture is old") if stale else verdict_of(snapshot)
         self._panel.say(shown, facts_of(snapshot))
+        self._panel.aim(snapshot.grip, way_of(snapshot))
         self._panel.mark(snapshot.frame)
         if snapshot.state in BUSY:
             t_s, error_mm = self._desk.error_history()

@@ -1,4 +1,4 @@
-"""Colours of the viewport. Patient and therapist differ for every colour vision, and in form as well."""
+"""Colours of the viewport. Hands differ for every colour vision, and in form as well."""
 
 from __future__ import annotations
 
@@ -29,6 +29,10 @@ class Look:
 # viser's lights pale every colour: these are darker than they will look.
 PATIENT = Look(skin=(58, 118, 186), nail=(190, 212, 236), opacity=None, trail=(0, 72, 148), dashed=False)
 THERAPIST = Look(skin=(230, 120, 10), nail=(250, 190, 110), opacity=0.42, trail=(204, 92, 0), dashed=True)
+TARGET: Rgb = (138, 0, 104)
+"""Outline of a target grip: lines only, nothing filled."""
+THING: Rgb = (120, 126, 134)
+"""What a target grip goes around."""
 BRAND: Rgb = (15, 98, 138)
 FLOOR: Rgb = (250, 251, 252)
 GRID: Rgb = (222, 228, 234)

@@ -7,8 +7,11 @@ from typing import Any
 import numpy as np
 import viser
 
+from rehab_app.services.grip_finder import NO_GRIP, FoundGrip
+from rehab_app.services.grip_target import WayToGo
 from rehab_app.web.viewport import verdict
 from rehab_app.web.viewport.chart import ErrorChart
+from rehab_app.web.viewport.goal import goal_html
 from rehab_app.web.viewport.scene import VIEWS, Room, look_from
 
 _WIDTH_PX = 400
@@ -28,29 +31,46 @@ class Panel:
         gui.main_panel.set_width(_WIDTH_PX)
         self._said: dict[str, str] = {}
         self._card: Any = gui.add_html(verdict.Verdict("calm", "Ready").html())
+        self._goal: Any = gui.add_html("", visible=False)
         self._facts: Any = gui.add_html("")
         self._mark: Any = gui.add_html("")
         self.camera: Any = gui.add_image(
             np.full((240, 320, 3), 238, dtype=np.uint8), label="Camera", format="jpeg", visible=False
         )
         self.chart = ErrorChart(room.server, x_label)
-        self._legend: Any = gui.add_html(verdict.LEGEND)
+        self._legend: Any = gui.add_html("", visible=False)
+        self._comparing, self._target = False, False
         self._add_views(room)
+        self._room = room
 
     def say(self, shown: verdict.Verdict, facts: tuple[tuple[str, str], ...]) -> None:
         """Show a verdict and the facts beneath it; unchanged text costs nothing."""
-        for name, handle, html in (
-            ("card", self._card, shown.html()),
-            ("facts", self._facts, verdict.lines(facts)),
-        ):
-            if self._said.get(name) != html:
-                self._said[name] = html
-                handle.content = html
+        self._write("card", self._card, shown.html())
+        self._write("facts", self._facts, verdict.lines(facts))
+
+    def aim(self, found: FoundGrip, way: WayToGo | None) -> None:
+        """Draw a target grip and say how far the hand is from it. Call inside ``server.atomic()``."""
+        target = found.target
+        self._room.target.draw(target)
+        self._write("goal", self._goal, goal_html(found, way))
+        _show(self._goal, found is not NO_GRIP)
+        self._explain(self._comparing, target is not None)
 
     def compare(self, comparing: bool) -> None:
         """Show chart and legend where two hands are compared; else the camera, where there is one."""
         self.chart.show(comparing)
-        self._legend.visible = comparing
+        self._explain(comparing, self._target)
+
+    def _explain(self, comparing: bool, target: bool) -> None:
+        """Say which hand is which where there is more than one."""
+        self._comparing, self._target = comparing, target
+        self._write("legend", self._legend, verdict.legend(comparing=comparing, target=target))
+        _show(self._legend, comparing or target)
+
+    def _write(self, name: str, handle: Any, html: str) -> None:
+        if self._said.get(name) != html:
+            self._said[name] = html
+            handle.content = html
 
     def mark(self, frame: int) -> None:
         """Leave the number of the drawn frame in the page, where the shell looks for a stale picture."""
@@ -70,3 +90,8 @@ class Panel:
         def _trails(_: viser.GuiEvent[Any]) -> None:
             for trail in (room.patient_trail, room.therapist_trail):
                 trail.show(bool(trails.value))
+
+
+def _show(handle: Any, visible: bool) -> None:
+    if handle.visible != visible:
+        handle.visible = visible

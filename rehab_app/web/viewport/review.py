@@ -11,7 +11,10 @@ import numpy as np
 import viser
 
 from rehab_app.services.clinic import Clinic
+from rehab_app.services.grip_finder import NO_GRIP
+from rehab_app.services.grip_target import way_to_go
 from rehab_app.services.rows import Replay
+from rehab_app.web.viewport.aim import Aim
 from rehab_app.web.viewport.painter import Painter
 from rehab_app.web.viewport.panel import Panel
 from rehab_app.web.viewport.scene import furnish
@@ -41,6 +44,7 @@ class ReviewViewport:
         self._panel.compare(replay.fingertip_error_m is not None)
         if replay.fingertip_error_m is not None:
             self._panel.chart.draw(replay.t_s, 1e3 * replay.fingertip_error_m)
+        self._aim, self._found = Aim(self._room.server), NO_GRIP
         self._at_s, self._drawn_row, self._playing, self._turn = 0.0, -1, True, 0
         self._painted_s = time.monotonic()
         self._painter = Painter(self._room, "review-viewport", self._paint)
@@ -111,9 +115,11 @@ class ReviewViewport:
     def _draw(self) -> None:
         replay, self._turn = self._replay, self._turn + 1
         row = max(min(int(np.searchsorted(replay.t_s, self._at_s, side="right")) - 1, replay.t_s.size - 1), 0)
-        if row == self._drawn_row:
+        found = self._aim.found(replay.geometry)
+        if row == self._drawn_row and found == self._found:
             return
-        self._drawn_row = row
+        anew = found != self._found
+        self._drawn_row, self._found = row, found
         reference = replay.reference_joints_rad
         with self._room.server.atomic():
             self._room.draw(
@@ -121,8 +127,11 @@ class ReviewViewport:
             )
             if self._playing:
                 self._bar.value = round(float(replay.t_s[row]), 2)
-            if self._turn % 3 == 0 or not self._playing:
+            if self._turn % 3 == 0 or not self._playing or anew:
                 self._beside(row)
+                target = found.target
+                joints = replay.patient_joints_rad[row]
+                self._panel.aim(found, None if target is None else way_to_go(target, joints))
 
     def _beside(self, row: int) -> None:
         """Trails, card and chart."""
@@ -136,6 +145,9 @@ class ReviewViewport:
 
     def _verdict(self, row: int) -> Verdict:
         error = self._replay.fingertip_error_m
+        if error is None and self._replay.phases:
+            phase = self._replay.phases[row]
+            return Verdict("calm", PHASES.get(phase, phase), detail="Guided assessment: nobody is followed.")
         if error is None:
             return Verdict(
                 "calm",

@@ -1,4 +1,4 @@
-"""The room around the hands: server on loopback, light, floor, named views, two hands with trails."""
+"""The room around the hands: server on loopback, light, floor, views, two hands with trails, a target."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import viser
 
 from rehab_app.web.viewport.drawn_hand import DrawnHand
+from rehab_app.web.viewport.drawn_target import DrawnTarget
 from rehab_app.web.viewport.palette import BRAND, FLOOR, GRID, PATIENT, THERAPIST
 from rehab_app.web.viewport.private_server import PrivateServer
 from rehab_app.web.viewport.trails import Trails
@@ -37,6 +38,7 @@ class Room:
         therapist: The reference, a translucent ghost on the same palm.
         patient_trail: Fingertip trails of the patient.
         therapist_trail: Fingertip trails of the therapist, dashed.
+        target: A target grip in outline, on the same palm.
     """
 
     server: viser.ViserServer
@@ -44,6 +46,7 @@ class Room:
     therapist: DrawnHand
     patient_trail: Trails
     therapist_trail: Trails
+    target: DrawnTarget
 
     def draw(self, geometry: HandGeometry, patient: Float64 | None, therapist: Float64 | None) -> None:
         """Draw the hands at joint angles (21,) rad; None hides a hand. Call inside ``server.atomic()``."""
@@ -78,7 +81,8 @@ def furnish(label: str, geometry: HandGeometry) -> Room:
     server.initial_camera.position = VIEWS["Palm"]
     server.initial_camera.look_at = tuple(_TARGET_M)
     server.initial_camera.up = (0.0, 0.0, 1.0)
-    return Room(server, patient, therapist, patient_trail, therapist_trail)
+    target = DrawnTarget(server, "/hand/target")
+    return Room(server, patient, therapist, patient_trail, therapist_trail, target)
 
 
 def look_from(client: viser.ClientHandle, view: str) -> None:

@@ -38,6 +38,19 @@ def ball() -> Solid:
     return _lathe(-np.cos(polar), np.sin(polar))
 
 
+def bar() -> Solid:
+    """A cylinder of radius 1 and length 1 about z, around the origin."""
+    return _lathe(np.array([-0.5, 0.5]), np.ones(2))
+
+
+def block() -> Solid:
+    """A cube of edge 1 around the origin."""
+    corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+    sides = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+    faces = [face for a, b, c, d in sides for face in ((a, b, c), (a, c, d))]
+    return Solid(corners, np.array(faces, dtype=np.int64))
+
+
 def loft(stations_m: Float64) -> Solid:
     """A smooth body through oval cross sections along z, as a forearm runs into a palm.
 

@@ -84,10 +84,27 @@ def lines(rows: tuple[tuple[str, str], ...]) -> str:
     )
 
 
-LEGEND = (
-    '<div style="font:13px system-ui,sans-serif;margin:8px 14px;color:#1f2d38;display:flex;gap:18px">'
-    '<span><span style="display:inline-block;width:14px;height:14px;border-radius:4px;background:#2e629e;'
-    'vertical-align:-2px"></span> Patient, solid</span>'
-    '<span><span style="display:inline-block;width:12px;height:12px;border-radius:4px;background:#fbdcb4;'
-    'border:2px dashed #cc5c00;vertical-align:-3px"></span> Therapist, see-through</span></div>'
-)
+_SWATCHES = {
+    "Patient, solid": "width:14px;height:14px;background:#2e629e",
+    "Therapist, see-through": "width:12px;height:12px;background:#fbdcb4;border:2px dashed #cc5c00",
+    "Target, outlined": "width:12px;height:12px;background:#fff;border:2px solid #8a0068",
+}
+
+
+def legend(*, comparing: bool, target: bool) -> str:
+    """Which hand is which, as HTML.
+
+    Args:
+        comparing: Whether a patient is compared with a therapist.
+        target: Whether a target grip is shown.
+    """
+    names = list(_SWATCHES)[: 2 if comparing else 0] + list(_SWATCHES)[2:] * target
+    cells = "".join(
+        f'<span><span style="display:inline-block;{_SWATCHES[name]};border-radius:4px;vertical-align:-3px">'
+        f"</span> {name}</span>"
+        for name in names
+    )
+    return (
+        '<div style="font:13px system-ui,sans-serif;margin:8px 14px;color:#1f2d38;display:flex;'
+        f'flex-wrap:wrap;gap:4px 16px">{cells}</div>'
+    )

@@ -17,7 +17,16 @@ PHASES = {
     "rest": "Rest",
     "stopped": "Stopped",
     "done": "Finished",
+    "open": "Open your hand",
+    "tabletop": "Bend the knuckles, fingers straight",
+    "hook": "Bend the fingers, knuckles straight",
+    "fist": "Make a fist",
+    "check": "Let the hand rest: joint by joint",
+    "rest-proposed": "Rest for a minute",
+    "skin-check": "Time to look at the skin",
 }
+_ALONE = "On your own, as far as you can."
+_LED = "The robot leads on gently: let it."
 _STARTERS = {"patient": "patient", "robot": "robot helped"}
 
 
@@ -40,26 +49,42 @@ def verdict_of(snapshot: LiveSnapshot) -> Verdict:
         "idle": ("calm", "Ready"),
         "processing": ("calm", "Saving the take"),
         "rehearsing": ("calm", "Rehearsing: nothing moves yet"),
-        "playing": ("calm", PHASES.get(snapshot.phase, "Starting")),
+        "playing": ("calm", PHASES.get(snapshot.phase, snapshot.phase) or "Starting"),
         "stopped": ("alarm", "STOPPED"),
         "done": ("good", "Done"),
         "failed": ("caution", "Not done"),
     }[snapshot.state]
-    return Verdict(style, word, detail=snapshot.message)
+    return Verdict(style, word, detail=_whose_turn(snapshot) or snapshot.message)
+
+
+def _whose_turn(snapshot: LiveSnapshot) -> str:
+    """In a posture of the range sweep, who moves."""
+    if snapshot.kind != "range" or snapshot.state != "playing" or snapshot.paused or snapshot.phase == "rest":
+        return ""
+    return {"patient": _ALONE, "robot": _LED}.get(snapshot.started_by, "")
 
 
 def facts_of(snapshot: LiveSnapshot) -> tuple[tuple[str, str], ...]:
     """The lines beneath the card."""
-    if snapshot.state not in ("playing", "stopped", "done") or not snapshot.repetitions:
+    if snapshot.state not in ("playing", "stopped", "done") or not snapshot.kind:
         return ()
     rows = [("Phase", "Paused" if snapshot.paused else PHASES.get(snapshot.phase, snapshot.phase or "-"))]
-    done = max(snapshot.repetition + 1, 0)
-    rows.append(("Repetition", f"{min(done, snapshot.repetitions)} of {snapshot.repetitions}"))
-    if snapshot.started_by:
+    if snapshot.repetitions:
+        done = min(max(snapshot.repetition + 1, 0), snapshot.repetitions)
+        counted = "Posture" if snapshot.kind == "range" else "Repetition"
+        rows.append((counted, f"{done} of {snapshot.repetitions}"))
+    if snapshot.started_by and snapshot.kind == "therapy":
         rows.append(("Started by", _STARTERS.get(snapshot.started_by, snapshot.started_by)))
     if snapshot.support is not None:
         share = min(snapshot.support / FULL_SUPPORT_MULTIPLE, 1.0)
         rows.append(("Support", f"{100 * share:.0f} % (×{snapshot.support:.1f})"))
     if snapshot.interaction_nm is not None:
         rows.append(("Torque on the hand", f"{snapshot.interaction_nm:.2f} Nm"))
+    if not snapshot.worn:
+        rows.append(("Robot", "worn by nobody"))
+    rows.append(("Loop lateness", _lateness(snapshot)))
     return tuple(rows)
+
+
+def _lateness(snapshot: LiveSnapshot) -> str:
+    return f"p99 {1e-6 * snapshot.late_p99_ns:.1f} ms, {snapshot.overruns} missed"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.signal import butter, filtfilt
@@ -125,7 +126,8 @@ def filtered(seen_m: Float64, cutoff_hz: float, rate_hz: float) -> Float64:
     spread = 1.4826 * np.median(np.abs(windows - middle[..., None]), axis=-1)
     good = (np.abs(shown - middle) <= _HAMPEL * spread).all(axis=1)
     calm = np.stack([np.interp(rows, known[good], shown[good, axis]) for axis in range(3)], axis=1)
-    numerator, denominator = butter(2, cutoff_hz, fs=rate_hz)
+    designed: Any = butter(2, cutoff_hz, fs=rate_hz)
+    numerator, denominator = designed
     clean: Float64 = filtfilt(numerator, denominator, calm, axis=0)
     return clean
 

@@ -102,3 +102,53 @@ def test_the_shape_of_the_hand_in_a_take(tmp_path: Path) -> None:
     )
     assert "given alone" in run("--shape", take.path, "--hand", "human", code=1)[1]
     assert "--object is missing" in run("--hand", "human", code=1)[1]
+
+
+def test_a_grasp_becomes_a_take_that_can_be_approved(tmp_path: Path) -> None:
+    take = tmp_path / "grasp.mcap"
+    content, said = run("--object", "cylinder:radius=0.03", "--hand", "human", "--take", take)
+    assert Path(content["take"]) == take
+    assert "rehab-app approve" in said
+    assert "path" not in content
+    assert run("--shape", take)[0]["repetitions"] == 1
+    again, _ = run("--object", "cylinder:radius=0.03", "--hand", "human", "--take", take, code=1)
+    assert "grasp.mcap" in again["error"]["message"]
+    words = run("--object", "cylinder:radius=0.02", "--hand", "dlr-hit-ii", "--take", "b.mcap", code=1)[1]
+    assert "--hand human" in words
+
+
+def test_the_hand_reaches_for_a_cylinder_and_holds_it(tmp_path: Path) -> None:
+    picture = tmp_path / "reach.svg"
+    content, said = run("--reach", "0.02", "--plot", picture)
+    assert content["holds"] is True
+    assert 0 < content["moved_m"]["gravity"] <= content["moved_m"]["worst_push"] < 0.005
+    assert content["arm_error_m"]["largest"] < 0.002
+    assert "holds the cylinder" in said
+    assert ElementTree.parse(picture).getroot().tag.endswith("svg")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--reach", "0.09"), "for this hand"),
+        (("--reach", "nan"), "above 0 m"),
+        (("--reach", "0.02", "--hand", "human"), "given alone"),
+        (("--reach", "0.02", "--plot", "x.png"), ".svg"),
+        (("--reproduce", "x.txt"), ".md"),
+        (("--reproduce", "x.md", "--reach", "0.02"), "given together"),
+        (("--reproduce", "x.md", "--plot", "x.svg"), "given alone"),
+    ],
+)
+def test_trials_out_of_bounds_are_a_sentence(arguments: tuple[str, ...], words: str) -> None:
+    content, said = run(*arguments, code=1)
+    assert words in content["error"]["message"]
+    assert "Traceback" not in said
+
+
+def test_the_thesis_is_reproduced_by_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rehab_app.grasp.thesis_document.thesis_document", lambda: "# all of it\n")
+    document = tmp_path / "thesis.md"
+    content, _ = run("--reproduce", document)
+    assert document.read_text() == "# all of it\n"
+    assert [Path(file).name for file in content["files"]] == ["thesis.md", "figure-5.12.svg"]
+    assert ElementTree.parse(tmp_path / "figures" / "figure-5.12.svg").getroot().tag.endswith("svg")

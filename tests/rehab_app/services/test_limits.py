@@ -193,6 +193,18 @@ def test_halved_torques_stay_halved(room):
         room.acts.set_torque(THERAPIST, "P-0001", "index_pip", 0.3, reason="x")
 
 
+def test_a_raise_ends_when_the_clinical_record_is_stated_anew(room):
+    """A torque that was raised for skin that feels is not meant for skin that does not."""
+    room.acts.set_torque(THERAPIST, "P-0001", "index_pip", 0.4, reason="stiff")
+    assert room.today(0.0).limits.tau_interaction_nm[PIP] == pytest.approx(0.4)
+    room.now_ns += 10**9
+    room.state(insensate=True)
+    assert room.today(0.0).limits.tau_interaction_nm[PIP] == pytest.approx(0.075)
+    room.now_ns += 10**9
+    room.acts.set_torque(THERAPIST, "P-0001", "index_pip", 0.1, reason="looked at it")
+    assert room.today(0.0).limits.tau_interaction_nm[PIP] == pytest.approx(0.1)
+
+
 def test_anyone_narrows_a_range_and_only_a_therapist_widens_it(room):
     low, high = np.deg2rad(20.0), np.deg2rad(60.0)
     today = room.acts.set_range(ASSISTANT, "P-0001", "index_pip", low, high)

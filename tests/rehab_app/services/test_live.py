@@ -11,6 +11,7 @@ import pytest
 from rehab_app.access import CONSOLE, Account
 from rehab_app.bootstrap import open_clinic
 from rehab_app.errors import REFUSALS, Refused
+from rehab_app.services.order import Order
 from robot_iface.link import MotionClient
 from sessions.records.topics import EVENTS
 from sessions.store import SessionReader, verify
@@ -55,7 +56,7 @@ def moving(snapshot):
 
 def test_a_session_is_rehearsed_played_and_recorded(clinic, take):
     desk = clinic.live
-    desk.start_therapy(CONSOLE, None, take, speed=1.0, repetitions=1)
+    desk.start_therapy(CONSOLE, None, take, Order(speed=1.0, repetitions=1))
     assert desk.snapshot().state == "rehearsing"
     first = until(desk, moving)
     later = until(desk, lambda one: one.frame > first.frame + 10)
@@ -73,7 +74,7 @@ def test_a_session_is_rehearsed_played_and_recorded(clinic, take):
 
 def test_stop_needs_no_role_latches_and_the_session_is_sealed(clinic, take):
     desk = clinic.live
-    desk.start_therapy(CONSOLE, None, take, speed=0.5, repetitions=20)
+    desk.start_therapy(CONSOLE, None, take, Order(speed=0.5, repetitions=20))
     until(desk, moving)
     desk.press_stop("key")
     stopped = desk.snapshot()
@@ -111,7 +112,7 @@ def cleared(desk):
 
 def test_a_stop_while_rehearsing_lets_nothing_move(clinic, take):
     desk = clinic.live
-    desk.start_therapy(CONSOLE, None, take, speed=0.5, repetitions=2)
+    desk.start_therapy(CONSOLE, None, take, Order(speed=0.5, repetitions=2))
     desk.press_stop("key")
     until(desk, lambda _one: cleared(desk))
     assert clinic.sessions.list() == ()
@@ -119,32 +120,32 @@ def test_a_stop_while_rehearsing_lets_nothing_move(clinic, take):
 
 def test_a_silent_operator_page_holds_and_resume_goes_on(clinic, take):
     desk = clinic.live
-    desk.start_therapy(CONSOLE, None, take, speed=1.0, repetitions=2)
+    desk.start_therapy(CONSOLE, None, take, Order(speed=1.0, repetitions=2))
     until(desk, moving)
     held = until(desk, lambda one: one.safety_state == "HOLD", beat=False)
     assert held.state == "playing"
     held = until(desk, lambda one: one.paused, beat=False)
     assert "fell silent" in held.message
-    desk.resume(CONSOLE)
+    desk.controls.resume(CONSOLE)
     until(desk, lambda one: one.safety_state == "ACTIVE" and not one.paused)
     desk.press_stop("end of test")
 
 
 def test_pause_resume_and_speed(clinic, take):
     desk = clinic.live
-    desk.start_therapy(CONSOLE, None, take, speed=0.8, repetitions=3)
+    desk.start_therapy(CONSOLE, None, take, Order(speed=0.8, repetitions=3))
     until(desk, moving)
-    desk.pause(CONSOLE)
+    desk.controls.pause(CONSOLE)
     assert desk.snapshot().paused
     still = until(desk, lambda one: one.paused)
-    desk.resume(CONSOLE)
+    desk.controls.resume(CONSOLE)
     until(desk, lambda one: one.frame > still.frame + 5 and not one.paused)
-    desk.set_speed(CONSOLE, 0.4)
+    desk.controls.set_speed(CONSOLE, 0.4)
     assert desk.snapshot().speed == 0.4
     with pytest.raises(REFUSALS, match=r"0\.1 to 1"):
-        desk.set_speed(CONSOLE, 2.0)
+        desk.controls.set_speed(CONSOLE, 2.0)
     with pytest.raises(Refused, match="may not play"):
-        desk.pause(AUDITOR)
+        desk.controls.pause(AUDITOR)
     with pytest.raises(Refused, match="live desk"):
         desk.start_therapy(CONSOLE, None, take)
     desk.pain(None)
@@ -153,7 +154,7 @@ def test_pause_resume_and_speed(clinic, take):
 
 
 def test_nothing_played_cannot_be_paused(clinic):
-    for verb in (clinic.live.pause, clinic.live.resume):
+    for verb in (clinic.live.controls.pause, clinic.live.controls.advance, clinic.live.controls.reverse):
         with pytest.raises(Refused, match="nothing is played"):
             verb(CONSOLE)
 
@@ -197,7 +198,7 @@ def test_a_stop_of_the_supervisor_latches_like_a_pressed_one_and_names_its_cause
     beat = MotionClient.beat
     silent = threading.Event()
     monkeypatch.setattr(MotionClient, "beat", lambda client: None if silent.is_set() else beat(client))
-    desk.start_therapy(CONSOLE, None, take, speed=0.5, repetitions=20)
+    desk.start_therapy(CONSOLE, None, take, Order(speed=0.5, repetitions=20))
     until(desk, moving)
     silent.set()  # the app is as good as dead
     stopped = until(desk, lambda one: "heartbeat" in one.stop_source)
@@ -206,3 +207,66 @@ def test_a_stop_of_the_supervisor_latches_like_a_pressed_one_and_names_its_cause
     until(desk, lambda _one: clinic.sessions.list())
     with pytest.raises(Refused, match="cleared"):
         desk.start_therapy(CONSOLE, None, take)
+
+
+def test_the_movement_goes_back_waits_and_goes_on_again(clinic, take):
+    desk = clinic.live
+    desk.start_therapy(CONSOLE, None, take, Order(speed=0.4, repetitions=20))
+    until(desk, moving)
+    with pytest.raises(Refused, match="may not play"):
+        desk.controls.reverse(AUDITOR)
+    desk.controls.reverse(CONSOLE)
+    back = desk.snapshot()
+    assert back.reversing
+    assert not back.paused
+    desk.controls.resume(CONSOLE)
+    until(desk, lambda one: not one.reversing and one.frame > back.frame + 5)
+    desk.pain(None)
+    until(desk, lambda one: one.safety_state == "HOLD")
+    with pytest.raises(Refused, match="not held"):
+        desk.controls.reverse(CONSOLE)
+    assert "Pain was entered." in until(desk, lambda one: "Pain was entered." in one.notes).notes
+    desk.press_stop("end of test")
+    until(desk, lambda _one: clinic.sessions.list())
+    clinic.audit.close()
+    verbs = [row.verb for row in clinic.catalogue.audit()]
+    assert {"start", "reverse", "resume", "stop"} <= set(verbs)
+
+
+def test_a_sweep_has_no_therapist_and_needs_a_patient_who_is_there(clinic):
+    desk = clinic.live
+    patient, other = (
+        clinic.patients.add(
+            CONSOLE, given_name="Ada", family_name="L", birth_date="1950-12-31", side="left"
+        ).id
+        for _ in range(2)
+    )
+    with pytest.raises(Refused, match="not chosen"):
+        desk.start_assessment(CONSOLE, "range", None)
+    with pytest.raises(Refused, match="who is present"):
+        desk.start_assessment(CONSOLE, "range", patient, present=other)
+    with pytest.raises(Refused, match="not worn"):
+        desk.start_assessment(CONSOLE, "fit", patient, Order(device="dlr-hit-ii"))
+    with pytest.raises(Refused, match="may not play"):
+        desk.start_assessment(AUDITOR, "range", patient)
+    desk.start_assessment(CONSOLE, "range", patient, present=patient)
+    assert desk.snapshot().notes == ("No limits were measured today: the shipped defaults hold.",)
+    shown = until(desk, lambda one: one.phase == "open" and one.patient_joints_rad is not None)
+    assert (shown.kind, shown.repetitions, shown.started_by) == ("range", 4, "patient")
+    assert shown.therapist_joints_rad is None
+    assert shown.fingertip_error_m is None
+    desk.controls.advance(CONSOLE)
+    until(desk, lambda one: one.started_by == "robot")
+    desk.controls.reverse(CONSOLE)
+    until(desk, lambda one: one.phase == "rest")
+    assert not desk.snapshot().reversing
+    desk.press_stop("end of test")
+
+
+def test_a_robot_that_nobody_wears_is_drawn_by_its_own_joints(clinic, take):
+    desk = clinic.live
+    desk.start_therapy(CONSOLE, None, take, Order(device="dlr-hit-ii", speed=0.5, repetitions=2))
+    shown = until(desk, moving)
+    assert not shown.worn
+    assert shown.patient_joints_rad.shape == (21,)
+    desk.press_stop("end of test")

@@ -199,6 +199,25 @@ def test_a_real_device_moves_only_for_a_confirmed_name_and_an_identified_patient
     check_device(replace(REAL, worn=False), READY, None)
 
 
+def test_a_confirmation_of_a_real_device_is_not_spent_on_a_simulated_one():
+    with pytest.raises(Refused, match="confirmed as real"):
+        check_device(capabilities("exoskeleton"), replace(READY, device="exoskeleton"), ADA)
+
+
+def test_a_patient_of_any_hand_size_may_play_a_robot_that_nobody_wears(clinic):
+    small = clinic.patients.add(
+        CONSOLE,
+        given_name="Bo",
+        family_name="Li",
+        birth_date="1960-01-31",
+        side="left",
+        hand_length_m=0.165,
+    )
+    prepared = plan(clinic, replace(ONE, device="dlr-hit-ii"), patient_id=small.id)
+    assert prepared.plan.twin.hand_length_m == 0.165
+    clinic.therapy.check_patient(prepared, small.id)
+
+
 def test_a_robot_that_nobody_wears_has_its_own_limits(clinic, monkeypatch):
     bare = replace(capabilities("exoskeleton"), worn=False)
     monkeypatch.setattr(planning, "capabilities", lambda name: bare)

@@ -127,7 +127,7 @@ def test_only_the_fast_spot_is_slowed() -> None:
     assert "index_pip would move at 2" in done.note
     assert "into extension, 30 deg/s are allowed" in done.note
     assert "at 15.0 s of the take" in done.note
-    assert f"one pass lasts {done.path.t_s[-1]:.0f} s instead of 30 s" in done.note
+    assert f"one pass lasts {done.path.t_s[-1]:.1f} s instead of 30.0 s" in done.note
 
 
 def test_direction_decides() -> None:

@@ -38,6 +38,15 @@ def test_a_recording_out_of_bounds_is_a_sentence(browser, name, value):
         ("repetitions", "9" * 30),
         ("patient", "P-9999"),
         ("twin", "nobody"),
+        ("device", "ros2:anything"),
+        ("space", "everywhere"),
+        ("wrist", "200"),
+        ("wrist", "straight"),
+        ("warm_up", "-2"),
+        ("minutes", "5000"),
+        ("resistance", "99"),
+        ("stiffness", "80"),
+        ("hold", "1e9"),
     ],
 )
 def test_a_session_out_of_bounds_is_a_sentence(browser, take, clinic, name, value):
@@ -48,7 +57,7 @@ def test_a_session_out_of_bounds_is_a_sentence(browser, take, clinic, name, valu
     assert clinic.live.snapshot().state != "rehearsing"
 
 
-@pytest.mark.parametrize("verb", ["pause", "resume", "speed"])
+@pytest.mark.parametrize("verb", ["pause", "resume", "reverse", "next", "speed"])
 def test_nothing_to_hold_is_a_sentence(browser, verb):
     answer = browser("therapist").ask(f"/live/{verb}", speed="40")
     assert answer.status_code == 409
@@ -97,3 +106,65 @@ def test_the_state_names_the_patient_by_two_identifiers(clinic, app, patient):
     assert shown["frame"] == 7
     assert shown["patient"]["born"] == "14 March 1957"
     assert shown["patient"]["side"] == "left"
+
+
+@pytest.mark.parametrize("verb", ["play", "measure", "fit"])
+def test_nothing_starts_for_a_patient_whom_nobody_has_compared(browser, take, clinic, patient, verb):
+    clinic.takes.approve(take, clinic.accounts.account("therapist"))
+    answer = browser("therapist").ask(f"/live/{verb}", **{**PLAY, "take": take, "patient": patient})
+    assert answer.status_code == 409
+    assert "confirmed by name, birth date and side" in answer.json()["message"]
+    other = browser("therapist").ask(
+        f"/live/{verb}", **{**PLAY, "take": take, "patient": patient, "present": "P-0999"}
+    )
+    assert "who is present" in other.json()["message"]
+    assert clinic.live.snapshot().state != "rehearsing"
+
+
+def test_an_assessment_needs_a_patient_and_a_robot_that_is_worn(browser, patient):
+    assert "not chosen" in browser("therapist").ask("/live/measure", **PLAY).json()["message"]
+    bare = {**PLAY, "patient": patient, "present": patient, "device": "dlr-hit-ii"}
+    assert "not worn" in browser("therapist").ask("/live/measure", **bare).json()["message"]
+
+
+def test_the_form_learns_where_limits_come_from(browser, patient):
+    def told(**asked):
+        query = "&".join(f"{name}={value}" for name, value in asked.items())
+        return browser("therapist").get(f"/live/limits?{query}").json()
+
+    assert told(patient=patient)["words"] == "Shipped defaults: not measured today."
+    assert not told(patient=patient, device="dlr-hit-ii")["worn"]
+    assert "average hand" in told()["words"]
+    assert told(patient=patient, wrist="bent")["kind"] == "caution"
+    assert told(patient=patient, wrist="300")["kind"] == "caution"
+    assert told(patient="P-9999")["kind"] == "caution"
+    assert browser("therapist").get("/live/limits?device=ros2:x").status_code == 404
+
+
+def acts(**changes):
+    from dataclasses import replace
+
+    from rehab_app.services.snapshot import LiveSnapshot
+    from rehab_app.web.live_state import acts_of
+
+    return acts_of(replace(LiveSnapshot(), state="playing", kind="therapy", **changes))
+
+
+def test_only_what_can_be_asked_for_has_a_button():
+    from rehab_app.services.snapshot import LiveSnapshot
+    from rehab_app.web.live_state import acts_of
+
+    assert acts_of(LiveSnapshot()) == {}
+    assert set(acts(phase="move")) == {"pause", "reverse"}
+    assert set(acts(phase="cue")) == {"pause", "reverse", "next"}
+    assert set(acts(phase="move", paused=True)) == {"resume"}
+    assert set(acts(phase="move", reversing=True)) == {"pause", "resume"}
+    assert "Skin" in acts(phase="skin-check")["resume"]
+
+
+def test_every_phase_has_its_words_on_page_and_picture():
+    from rehab_app.web.viewport import words as picture
+    from rehab_app.web.words import PHASES
+    from robot_iface.runtime.live import PHASES as KNOWN
+
+    assert set(KNOWN) - {""} == set(PHASES) == set(picture.PHASES)

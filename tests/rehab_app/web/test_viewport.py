@@ -112,7 +112,11 @@ def test_every_state_has_its_words(state: Any) -> None:
     shown = verdict_of(LiveSnapshot(state=state, message="m"))
     assert shown.word
     facts = dict(
-        facts_of(LiveSnapshot(state="playing", repetitions=5, repetition=1, support=2.0, phase="cue"))
+        facts_of(
+            LiveSnapshot(
+                state="playing", kind="therapy", repetitions=5, repetition=1, support=2.0, phase="cue"
+            )
+        )
     )
     assert facts["Repetition"] == "2 of 5"
     assert facts["Support"].startswith("50 %")

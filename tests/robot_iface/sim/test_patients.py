@@ -9,13 +9,14 @@ import pytest
 
 from robot_iface.errors import Refused
 from robot_iface.sim import DRIVEN, Fault, SimulatedExoskeleton, virtual_patient
-from robot_iface.sim.effort import COMMAND_DELAY_TICKS, REFLEX_DELAY_TICKS, PatientEffort
+from robot_iface.sim.effort import COMMAND_DELAY_TICKS, REFLEX_DELAY_TICKS, PatientEffort, patient_spasms
 from robot_iface.types import (
     VIRTUAL_KINDS,
     CommandMode,
     DeviceCommand,
     Float64,
     PatientTwin,
+    Spasm,
     VirtualKind,
     joint_index,
 )
@@ -79,25 +80,78 @@ def test_nobody_moves_before_the_command_delay() -> None:
 
 
 def test_the_reflex_opposes_fast_extension_late_and_only_then() -> None:
-    effort = PatientEffort(virtual_patient("mas2"), np.zeros(12), np.random.default_rng(0))
     speeds = {"slow": -np.deg2rad(25.0), "fast": -np.deg2rad(90.0), "flexing": np.deg2rad(90.0)}
     for speed in speeds.values():
-        late = [effort.torque_nm(np.zeros(12), np.full(12, speed)) for _ in range(REFLEX_DELAY_TICKS + 1)]
-        torque = late[-1]
-        excess = max(-speed - np.deg2rad(30.0), 0.0)
-        assert torque[MCP] == pytest.approx(virtual_patient("mas2").spasticity_nms_rad * excess, abs=1e-12)
+        effort = PatientEffort(virtual_patient("mas2"), np.zeros(12), np.random.default_rng(0))
+        torques = [effort.torque_nm(np.zeros(12), np.full(12, speed))[MCP] for _ in range(600)]
+        full = virtual_patient("mas2").spasticity_nms_rad * max(-speed - np.deg2rad(30.0), 0.0)
+        assert torques[-1] == pytest.approx(full, abs=1e-6)
+        assert not any(torques[:REFLEX_DELAY_TICKS]), "late"
+        assert torques[REFLEX_DELAY_TICKS + 50] == pytest.approx(0.5 * full, abs=0.01), "as a twitch rises"
 
 
-def test_a_slacking_patient_gives_less_each_time() -> None:
+@pytest.mark.parametrize("kind", ["mas2", "mas3", "clonus"])
+def test_no_stretch_calls_for_more_than_a_reflex_can_give(kind: VirtualKind) -> None:
+    effort = PatientEffort(virtual_patient(kind), np.zeros(12), np.random.default_rng(0))
+    torques = [effort.torque_nm(np.zeros(12), np.full(12, -200.0)) for _ in range(600)]
+    most = np.array(torques).max(axis=0) - virtual_patient(kind).clonus_nm
+    assert most[MCP] <= 0.5
+    assert most[MCP + 1] <= 0.3
+    assert np.array(torques[-1]).min() > 0.2
+
+
+def test_a_spindle_slackened_by_a_fast_flexion_is_taut_again_after_a_while() -> None:
+    """What keeps a hand that snapped shut from shaking on; a movement of therapy does not slacken it."""
+    peaks: list[float] = []
+    for flexes_deg_s, rests_s in ((60.0, 0.1), (300.0, 0.1), (300.0, 12.0)):
+        effort = PatientEffort(virtual_patient("mas2"), np.zeros(12), np.random.default_rng(0))
+        last = 0.0
+        for speed, ticks in ((flexes_deg_s, 100), (0.0, round(1000 * rests_s)), (-90.0, 200)):
+            for _ in range(ticks):
+                last = effort.torque_nm(np.zeros(12), np.full(12, np.deg2rad(speed)))[MCP]
+        peaks.append(float(last))
+    assert peaks[1] < 0.1 * peaks[0]
+    assert peaks[2] > 0.9 * peaks[0]
+
+
+def spasm_of(size_nm: float, speed_rad_s: float) -> Float64:
+    rows = patient_spasms((Spasm(0.0, 9.0, size_nm),))
+    effort = PatientEffort(virtual_patient("flaccid"), np.zeros(12), np.random.default_rng(0), rows)
+    return effort.torque_nm(np.zeros(12), np.full(12, speed_rad_s))
+
+
+def test_no_muscle_is_stronger_or_faster_than_muscles_are() -> None:
+    assert spasm_of(0.9, 0.0)[MCP] == 0.9
+    assert spasm_of(9.0, 0.0)[MCP] == 2.0
+    assert spasm_of(9.0, 0.0)[MCP + 1] == 1.0
+    assert spasm_of(-9.0, 0.0)[MCP] == -1.0
+    assert spasm_of(0.9, 12.5)[MCP] == pytest.approx(0.45), "half, at half its fastest"
+    assert spasm_of(0.9, 30.0)[MCP] == 0.0
+    assert spasm_of(0.9, -30.0)[MCP] == 0.9, "lengthened it gives all"
+
+
+def left_behind(by_rad: float) -> list[float]:
+    """Willingness of a slacking patient at each cue whose hand lags a movement of 0.5 rad by so much."""
     effort = PatientEffort(virtual_patient("slacking"), np.zeros(12), np.random.default_rng(0))
-    pulls: list[float] = []
-    torque = np.zeros(12)
-    for _ in range(4):
-        effort.cue(np.full((10, 12), 0.3), 0.005, 1.0)
-        for _ in range(1500):
-            torque = effort.torque_nm(np.zeros(12), np.zeros(12))
-        pulls.append(float(torque[MCP]))
-    assert all(later < earlier for earlier, later in itertools.pairwise(pulls))
+    path, willing = np.linspace(0.0, 0.5, 101)[:, None] * np.ones(12), []
+    for _ in range(9):
+        effort.cue(path, 0.01, 1.0)
+        willing.append(effort.willingness)
+        for tick in range(1000):
+            effort.progress(tick * 0.001)
+            effort.torque_nm(path[tick // 10] - by_rad, np.full(12, 0.5))
+        effort.relax()
+    return willing
+
+
+def test_a_slacking_patient_gives_the_less_the_better_the_robot_does_it() -> None:
+    helped, partly, alone = left_behind(0.0), left_behind(0.1), left_behind(0.4)
+    assert all(later < earlier for earlier, later in itertools.pairwise(helped))
+    assert helped[-1] < 0.05
+    assert partly[-1] == pytest.approx(0.1 / 0.3, abs=0.05), "where falling off and being roused balance"
+    assert alone[-1] == 1.0
+    ahead = left_behind(-0.4)
+    assert ahead == pytest.approx(helped), "who is ahead is not left behind"
 
 
 def hold_command(robot: SimulatedExoskeleton, stiffness: float) -> DeviceCommand:
@@ -138,4 +192,4 @@ def test_unpowered_motors_ignore_commands_and_the_brake_only_damps() -> None:
             robot.advance()
             top = max(top, float(np.abs(robot.hand_speed_rad_s).max()))
         speeds.append(top)
-    assert speeds[1] < 0.25 * speeds[0]
+    assert speeds[1] < 0.33 * speeds[0]

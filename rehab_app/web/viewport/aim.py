@@ -1,0 +1,71 @@
+"""The review's own choice of a target grip, in its panel."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import viser
+
+from rehab_app.errors import Refused
+from rehab_app.grasp.grip import GRIPS
+from rehab_app.services.grip_finder import FoundGrip, GripFinder
+from rehab_app.services.grip_target import LARGEST_MM, SMALLEST_MM, GripChoice, grip_choice
+from robot_iface.kinematics import HandGeometry
+
+_OBJECTS = {"None": "none", "Cylinder": "cylinder", "Ball": "ball", "Box": "box"}
+_GRIPS = {name.capitalize(): name for name in GRIPS}
+
+
+class Aim:
+    """Widgets that choose a target grip; whoever draws asks for what is known of it.
+
+    Args:
+        server: The viser server; the widgets go into its panel.
+    """
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        self._finder = GripFinder()
+        self._choice: GripChoice | None = None
+        self._complaint = ""
+        gui = server.gui
+        with gui.add_folder("Target grip", expand_by_default=False):
+            self._object: Any = gui.add_dropdown("Object", tuple(_OBJECTS))
+            self._size: Any = gui.add_number("Size [mm]", 60.0, min=SMALLEST_MM, max=LARGEST_MM, step=0.5)
+            self._width: Any = gui.add_number("Width [mm]", 60.0, min=SMALLEST_MM, max=LARGEST_MM, step=0.5)
+            self._grip: Any = gui.add_dropdown("Grip", tuple(_GRIPS))
+        for widget in (self._object, self._size, self._width, self._grip):
+            widget.on_update(self._chosen)
+        self._fold()
+
+    def found(self, geometry: HandGeometry) -> FoundGrip:
+        """What is known of the chosen target for a hand; never waits."""
+        if self._complaint:
+            return FoundGrip(words=self._complaint, refused=True)
+        return self._finder.find(self._choice, geometry)
+
+    def _chosen(self, _: viser.GuiEvent[Any]) -> None:
+        """Somebody chose; a client may send anything."""
+        try:
+            self._choice = grip_choice(
+                _OBJECTS.get(str(self._object.value), str(self._object.value)),
+                _number(self._size.value),
+                _GRIPS.get(str(self._grip.value), str(self._grip.value)),
+                _number(self._width.value),
+            )
+            self._complaint = ""
+        except Refused as refusal:
+            self._complaint = str(refusal)
+        self._fold()
+
+    def _fold(self) -> None:
+        """Show only what the chosen object needs."""
+        kind = _OBJECTS.get(str(self._object.value), "none")
+        self._size.label = {"box": "Thickness [mm]"}.get(kind, "Diameter [mm]")
+        self._size.visible = kind != "none"
+        self._width.visible = kind == "box"
+        self._grip.visible = kind in ("cylinder", "box")
+
+
+def _number(value: Any) -> float:
+    return float(value) if isinstance(value, int | float) else math.nan

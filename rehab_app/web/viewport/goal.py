@@ -1,0 +1,69 @@
+"""What the panel says about a target grip: what it is, and how far the hand still has to go."""
+
+from __future__ import annotations
+
+import math
+from html import escape
+
+from rehab_app.services.grip_finder import FoundGrip
+from rehab_app.services.grip_target import GripTarget, WayToGo
+from rehab_app.web.viewport.verdict import TARGET_MM
+from sessions.records import DIGITS
+
+_BOX = (
+    "border:2px solid #8a0068;border-radius:10px;padding:8px 14px 10px;margin:6px 10px;"
+    "font-family:system-ui,sans-serif;color:#1f2d38;background:#fff"
+)
+
+
+def goal_html(found: FoundGrip, way: WayToGo | None) -> str:
+    """The card of a target grip as HTML; "" where none was chosen.
+
+    Args:
+        found: What is known of it.
+        way: How far the hand is, None where no hand is measured.
+    """
+    target = found.target
+    if target is None:
+        sign = "&#9888; " if found.refused else ""
+        return f'<div role="status" style="{_BOX}">{sign}{escape(found.words)}</div>' if found.words else ""
+    head = (
+        '<div style="font-size:12px;font-weight:700;color:#8a0068">Target grip</div>'
+        f'<div style="font-size:14px;font-weight:700">{escape(found.words)}</div>'
+    )
+    body = '<div style="font-size:13px">No hand is measured now.</div>' if way is None else _way(target, way)
+    notes = "".join(
+        f'<div style="font-size:12px;color:#5a6b78;margin-top:4px">Note: {escape(note)}.</div>'
+        for note in target.notes
+    )
+    return f'<div role="status" style="{_BOX}">{head}{body}{notes}</div>'
+
+
+def to_go(way: WayToGo) -> str:
+    """The way in one line, such as "12 mm to go"; "reached" within the target distance."""
+    farthest_mm = 1e3 * way.farthest_m
+    return "reached" if farthest_mm <= TARGET_MM else f"{farthest_mm:.0f} mm to go"
+
+
+def aperture_words(target: GripTarget, way: WayToGo) -> str:
+    """Such as "48 degrees of 56"."""
+    return f"{math.degrees(way.aperture_rad):.0f} degrees of {math.degrees(target.aperture_rad):.0f}"
+
+
+def _way(target: GripTarget, way: WayToGo) -> str:
+    line = to_go(way)
+    number, _, unit = line.partition(" ")
+    if line == "reached":
+        number, unit = "&#10003; Reached", f"every fingertip within {TARGET_MM:.0f} mm"
+    cells = "".join(
+        f'<div style="text-align:center;{"font-weight:700;" if name == way.farthest else ""}">'
+        f'<div style="color:#5a6b78;font-weight:400">{name}</div>'
+        f"{f'{1e3 * away:.0f} mm' if touches else '(' + format(1e3 * away, '.0f') + ' mm)'}</div>"
+        for name, away, touches in zip(DIGITS, way.fingertip_m, target.holds, strict=True)
+    )
+    return (
+        f'<div><span style="font-size:30px;font-weight:700;line-height:1.15">{number}</span> '
+        f'<span style="font-size:15px">{unit}</span></div>'
+        f'<div style="display:grid;grid-template-columns:repeat(5,1fr);font-size:13px">{cells}</div>'
+        f'<div style="font-size:13px;margin-top:4px">Aperture {aperture_words(target, way)}</div>'
+    )
