@@ -67,6 +67,7 @@ class Judge:
         self._check_order(tick.before, after)
         self._check_device(tick.reading, after, tick.outcome)
         self._reversing, self._state = tick.outcome.reversing, after
+        self.people.pain = False  # what is reported to a hand at rest does not keep a person from enabling it
 
     def fail(self, what: str) -> None:
         self.failures.append(f"seed {self.script.seed}, tick {self.ticks}: {what}")
@@ -121,12 +122,11 @@ class Judge:
 
     def _of_people(self, overruns: int) -> list[tuple[SafetyState, str]]:
         watched = self.script.plan.realtime
-        pain, self.people.pain = self.people.pain, False
         rows = (
             (watched and self.app.heartbeat_age_ns() > 250_000_000, CAT1, "the app is silent"),
             (watched and self.app.operator_age_ns() > 1_000_000_000, HOLD, "the operator is silent"),
             (watched and overruns > 3, CAT0, "overruns"),
-            (pain, HOLD, "pain"),
+            (self.people.pain, HOLD, "pain"),
         )
         return [(state, why) for holds, state, why in rows if holds]
 

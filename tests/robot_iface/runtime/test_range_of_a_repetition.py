@@ -189,9 +189,15 @@ def test_a_reversal_on_the_approach_leads_there_anew(make_plan: MakePlan) -> Non
 
 
 def reversing(make_plan: MakePlan, fist: Any, times: tuple[float, ...]) -> Plan:
-    """An opening and closing in which a short spasm of one joint opposes the opening at these times."""
+    """An opening and closing in which a short spasm of one joint opposes the opening at these times.
+
+    It rises in two steps: one step of all of it throws the finger at the trip speed before it loads it.
+    """
     plan = make_plan(multiple=10.0, repetitions=6, rest_s=0.5, path=fist(4.0, -18.0, 30.0))
-    spasms = tuple(Spasm(time, 0.12, 0.24, "index_mcp_flexion") for time in times)
+    steps = ((0.0, 0.12), (0.06, 0.06))
+    spasms = tuple(
+        Spasm(time + later, lasts, 0.14, "index_mcp_flexion") for time in times for later, lasts in steps
+    )
     return replace(plan, twin=replace(plan.twin, spasms=spasms))
 
 

@@ -11,6 +11,7 @@ import pytest
 from robot_iface.errors import Refused
 from robot_iface.safety import THERAPIST_CAP_NM, admit_limits, pack_hulls, shipped_limits
 from robot_iface.safety.settling import Settling
+from robot_iface.safety.yielding import Holding, damped
 from robot_iface.types import Hull, SafetyState
 
 NAMES = ("index_mcp_flexion", "index_pip", "thumb_ip")
@@ -128,3 +129,25 @@ def test_what_trips_may_be_narrowed_and_never_widened(
     for value in bad.tolist():
         with pytest.raises(Refused, match=message):
             admit_limits(dataclasses.replace(LIMITS, **{field: value}), capabilities, 0.0, 0)
+
+
+def test_a_held_posture_gives_way_only_where_it_is_loaded(rigid: Any) -> None:
+    """Below a tenth of its limit a joint stays; above, it yields by at most 20 deg/s, all of it from 30 %."""
+    hand = rigid.RigidHand()
+    held = damped(3, 0.05, 7)
+    held = dataclasses.replace(held, q_rad=hand.q.copy(), tau_ff_nm=np.full(3, 0.02))
+    holding = Holding(held, LIMITS.tau_interaction_nm, PERIOD_S)
+    state = hand.read()
+    shares = np.array([0.099, 0.2, -0.9])
+    state = dataclasses.replace(state, tau_interaction_nm=shares * LIMITS.tau_interaction_nm)
+    assert np.array_equal(holding.command(state, 8).q_rad, held.q_rad), (
+        "nothing gives way before it is lowered"
+    )
+    holding.lowering = True
+    first = holding.command(state, 9)
+    assert first.seq == 9
+    assert np.rad2deg(first.dq_rad_s) == pytest.approx([0.0, -20.0 * 0.2 / 0.3, 20.0])
+    assert first.q_rad - held.q_rad == pytest.approx(first.dq_rad_s * PERIOD_S)
+    assert first.tau_ff_nm / 0.02 == pytest.approx([1.0, 1.0 - 1e-3 / 0.5, 1.0 - 1e-3 / 0.5])
+    again = holding.command(state, 10)
+    assert again.q_rad - first.q_rad == pytest.approx(first.dq_rad_s * PERIOD_S)
