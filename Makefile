@@ -14,7 +14,8 @@ demo: $(STAMP)
 	@$(BIN)/rehab-app demo --serve
 
 test: $(DEV_STAMP) tools check
-	$(PYTEST) -n $(WORKERS) --dist loadfile -m "not bench" tests
+	$(PYTEST) -n $(WORKERS) --dist loadfile -m "not bench and not browser" tests
+	$(PYTEST) -m browser tests/browser
 
 check: $(DEV_STAMP)
 	$(BIN)/ruff check .
