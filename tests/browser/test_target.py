@@ -17,6 +17,8 @@ pytestmark = [pytest.mark.browser, pytest.mark.xdist_group("browser")]
 NEAR_MM = 20
 """The device ends the thumb's base 5 degrees before its place: its tip stays some 14 mm away."""
 CYLINDER = "Cylinder of 60 mm, transverse grip"
+SEALED = re.compile("^Session [0-9a-f]{8}")
+"""What the live page says once a stopped session has braked and is sealed."""
 
 
 def picture(page: Page) -> FrameLocator:
