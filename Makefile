@@ -57,7 +57,7 @@ $(STAMP): pyproject.toml
 	@touch $@
 
 $(DEV_STAMP): $(STAMP)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,markerless,openni,realsense,ros2]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,markerless,openni,parquet,realsense,ros2]'
 	@touch $@
 
 clean:

@@ -9,7 +9,19 @@ from rehab_app.errors import Refused
 
 Role: TypeAlias = Literal["administrator", "therapist", "assistant", "patient", "auditor"]
 Verb: TypeAlias = Literal[
-    "view", "record", "approve", "prescribe", "play", "stop", "clear_stop", "manage_users", "audit"
+    "view",
+    "note",
+    "record",
+    "approve",
+    "prescribe",
+    "play",
+    "stop",
+    "clear_stop",
+    "export",
+    "erase",
+    "backup",
+    "manage_users",
+    "audit",
 ]
 ROLES: tuple[Role, ...] = get_args(Role)
 VERBS: tuple[Verb, ...] = get_args(Verb)
@@ -18,8 +30,10 @@ VERBS: tuple[Verb, ...] = get_args(Verb)
 # every use is in the audit chain. "stop" is here only so that the table is whole: nobody is asked for it.
 _MAY: dict[Role, frozenset[Verb]] = {
     "administrator": frozenset(VERBS),
-    "therapist": frozenset(("view", "record", "approve", "prescribe", "play", "stop", "clear_stop")),
-    "assistant": frozenset(("view", "record", "play", "stop")),
+    "therapist": frozenset(
+        ("view", "note", "record", "approve", "prescribe", "play", "stop", "clear_stop", "export")
+    ),
+    "assistant": frozenset(("view", "note", "record", "play", "stop")),
     "patient": frozenset(("stop",)),
     "auditor": frozenset(("view", "stop", "audit")),
 }

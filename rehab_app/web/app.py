@@ -26,7 +26,7 @@ from rehab_app.web import stop
 from rehab_app.web.gateway import picture, wire
 from rehab_app.web.gateway.client_page import ClientPages
 from rehab_app.web.guard import Guard, own_names
-from rehab_app.web.pages import entry, live, live_run, marker_names, patients, recordings
+from rehab_app.web.pages import entry, languages, live, live_run, marker_names, patients, recordings
 from rehab_app.web.remember import Remembered
 from rehab_app.web.render import page_templates, render
 from rehab_app.web.signing import Seal, clinic_key
@@ -92,6 +92,7 @@ def _entry_routes() -> list[BaseRoute]:
         Route("/set-up", entry.set_up_page, methods=["GET"]),
         Route("/set-up", entry.set_up, methods=["POST"]),
         Route("/sign-out", action(entry.sign_out, "stop", "/"), methods=["POST"]),
+        Route("/language", languages.choose, methods=["POST"]),
         Route("/stop", stop.press, methods=["POST"]),
         Route("/stop/state", stop.state, methods=["GET"]),
         Route("/stop/clear", action(stop.clear, "clear_stop", "/"), methods=["POST"]),

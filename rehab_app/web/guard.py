@@ -7,9 +7,11 @@ import socket
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import HTTPConnection
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from rehab_app.web.language import asked_for, speak
 from rehab_app.web.policy import ALWAYS, DEFAULTS
 
 LARGEST_BODY = 64 * 1024
@@ -33,6 +35,8 @@ class Guard:
         if scope["type"] == "lifespan":
             await self._app(scope, receive, send)
             return
+        asked = HTTPConnection(scope)
+        speak(asked_for(asked.headers, asked.cookies))
         status, why = self._refusal(scope)
         if scope["type"] == "websocket":
             await self._socket(scope, receive, send, why)

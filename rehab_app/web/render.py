@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from datetime import UTC, date, datetime
 from importlib import resources
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from babel.dates import format_date, format_datetime
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, Response
 
 from rehab_app.access import Account
+from rehab_app.web import language
+from rehab_app.web.language import LANGUAGES, _, spoken
 from rehab_app.web.signing import Ticket
 from rehab_app.web.words import EXERCISES, MODES
 
@@ -28,7 +31,10 @@ def page_templates() -> Environment:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        extensions=["jinja2.ext.i18n"],
     )
+    translating: Any = environment  # the extension adds its methods without types
+    translating.install_gettext_callables(_, language.ngettext, newstyle=True)
     environment.filters["day"] = day
     environment.filters["moment"] = moment
     environment.filters["instant"] = instant
@@ -66,6 +72,8 @@ def render(
         path=request.url.path,
         notice=notice,
         version=site.clinic.version,
+        language=spoken(),
+        languages=LANGUAGES,
         **values,
     )
     answer = HTMLResponse(html, status)
@@ -76,26 +84,25 @@ def render(
 
 def exercise(name: str) -> str:
     """An exercise in words."""
-    return EXERCISES.get(name, name.replace("_", " "))
+    return _(EXERCISES.get(name, name.replace("_", " ")))
 
 
 def mode(name: str) -> str:
     """A therapy mode in words."""
-    return MODES.get(name, name)
+    return _(MODES.get(name, name))
 
 
 def day(text: str) -> str:
     """An ISO date as people write it: 14 March 1957."""
     if not text:
-        return "not noted"
-    read = date.fromisoformat(text)
-    return f"{read.day} {read:%B %Y}"
+        return _("not noted")
+    return format_date(date.fromisoformat(text), "d MMMM y", locale=spoken())
 
 
 def moment(utc_ns: int) -> str:
     """A time of recording in the clinic's own time zone: 22 Nov 2026, 11:58."""
     read = datetime.fromtimestamp(utc_ns // 1_000_000_000, tz=UTC).astimezone()
-    return f"{read.day} {read:%b %Y, %H:%M}"
+    return format_datetime(read, "d MMM y, HH:mm", tzinfo=read.tzinfo, locale=spoken())
 
 
 def clock(utc_ns: int) -> str:

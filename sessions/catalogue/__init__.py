@@ -1,6 +1,7 @@
 """Who, what and when of a clinic: one SQLite file beside the recordings."""
 
 from sessions.catalogue.catalogue import Catalogue
+from sessions.catalogue.clinic_records import ENTRY_KINDS, PatientEntry, Setting, SignIn
 from sessions.catalogue.clinical_records import (
     MAS_GRADES,
     RANGE_HIGH,
@@ -28,6 +29,7 @@ from sessions.catalogue.records import (
 )
 
 __all__ = [
+    "ENTRY_KINDS",
     "MAS_GRADES",
     "RANGE_HIGH",
     "RANGE_LOW",
@@ -46,7 +48,10 @@ __all__ = [
     "LimitChange",
     "ModeUnlock",
     "Patient",
+    "PatientEntry",
     "PrescriptionRow",
+    "Setting",
+    "SignIn",
     "Take",
     "TherapySession",
     "User",

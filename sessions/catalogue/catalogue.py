@@ -7,9 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sessions.catalogue.calibrations import Calibrations
+from sessions.catalogue.clinic import Book
 from sessions.catalogue.clinical import Clinical
 from sessions.catalogue.engine import open_engine
 from sessions.catalogue.people import People
+from sessions.catalogue.sign_ins import SignIns
 from sessions.catalogue.takes import Takes
 from sessions.catalogue.therapy import Therapy
 from sessions.catalogue.trail import Trail
@@ -18,8 +20,8 @@ from sessions.errors import Refused
 FILE = "clinic.sqlite3"
 
 
-class Catalogue(People, Takes, Therapy, Clinical, Calibrations, Trail):
-    """People and what is known of them, takes, orders, limits, sessions, cameras, hands and the audit."""
+class Catalogue(People, SignIns, Takes, Therapy, Clinical, Book, Calibrations, Trail):
+    """People and what is known and written of them, takes, orders, sessions, cameras, hands, the audit."""
 
     @classmethod
     def open(cls, folder: Path, url: str = "", clock_ns: Callable[[], int] = time.time_ns) -> Catalogue:

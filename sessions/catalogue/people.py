@@ -77,6 +77,7 @@ class People(Ledger):
                 patient.impairment,
                 patient.archived,
                 self._clock_ns(),
+                1,
             )
             session.add(row)
             session.flush()
@@ -103,10 +104,16 @@ class People(Ledger):
         """Write everything of the patient with this pseudonym, archived or not among it.
 
         Raises:
-            Refused: No patient has the pseudonym.
+            Refused: No patient has the pseudonym, or somebody else changed the patient since this version.
         """
         with self._writing() as session:
             row = patient_row(session, patient.id)
+            if row.version != patient.version:
+                value = f"changed by somebody else (version {row.version}, yours was {patient.version})"
+                raise Refused(
+                    f"patient {patient.id}", value, "unchanged since you opened it", "compare and save again"
+                )
+            row.version += 1
             row.given_name, row.family_name, row.birth_date = (
                 patient.given_name,
                 patient.family_name,

@@ -52,6 +52,7 @@ class Patient:
         impairment: Note on the impairment.
         archived: Whether the patient is hidden from lists.
         created_utc_ns: When it was added.
+        version: Rises with every change, from 1; a change must name the version that it was made from.
     """
 
     id: str = ""
@@ -63,6 +64,7 @@ class Patient:
     impairment: str = ""
     archived: bool = False
     created_utc_ns: int = 0
+    version: int = 1
 
     def __post_init__(self) -> None:
         if self.side not in SIDES:

@@ -45,6 +45,7 @@ class PatientRow(Table):
     impairment: Mapped[str] = mapped_column(Text)
     archived: Mapped[bool]
     created_utc_ns: Mapped[int] = mapped_column(BigInteger)
+    version: Mapped[int]
 
 
 class ExerciseRow(Table):
