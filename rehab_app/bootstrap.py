@@ -1,4 +1,9 @@
-"""The one place that chooses implementations: opens a clinic folder and wires its services."""
+"""The one place that chooses implementations: opens a clinic folder and wires its services.
+
+A new service: a property in ``rehab_app.services.wiring`` (or ``wiring_records``), which says what it is
+built of, a field in ``Clinic``, and its line below. The server builds all of them before it answers, a
+command only what it uses.
+"""
 
 from __future__ import annotations
 
@@ -9,27 +14,10 @@ from pathlib import Path
 from rehab_app import __version__
 from rehab_app.config import resolve_folder
 from rehab_app.errors import Refused
-from rehab_app.services.accounts import Accounts
-from rehab_app.services.assessment import Assessment
-from rehab_app.services.audit import Audit
-from rehab_app.services.calibrations import Calibrations, Hands
 from rehab_app.services.clinic import Clinic
-from rehab_app.services.clinical import Clinical
+from rehab_app.services.later import later
 from rehab_app.services.lease import ServerLease
-from rehab_app.services.limit_acts import LimitActs
-from rehab_app.services.live import LiveDesk
-from rehab_app.services.marker_names import MarkerNames
-from rehab_app.services.patient_limits import PatientLimits
-from rehab_app.services.patients import Patients
-from rehab_app.services.planning import Planner
-from rehab_app.services.reports import Reports
-from rehab_app.services.retouching import Retouching
-from rehab_app.services.runs import Runs
-from rehab_app.services.sessions import Sessions
-from rehab_app.services.takes import Takes
-from rehab_app.services.therapy import Therapy
-from rehab_app.services.wearer import Wearers
-from sessions.catalogue import Catalogue
+from rehab_app.services.wiring import Wiring
 
 
 def open_clinic(folder: Path | None = None, serving: bool = False) -> Clinic:
@@ -37,7 +25,7 @@ def open_clinic(folder: Path | None = None, serving: bool = False) -> Clinic:
 
     Args:
         folder: The folder, None for the default (``REHAB_DATA`` or the user's data folder).
-        serving: Take the exclusive lease of the one server.
+        serving: Take the exclusive lease of the one server, and build every service at once.
 
     Returns:
         A context manager that closes the clinic.
@@ -47,36 +35,50 @@ def open_clinic(folder: Path | None = None, serving: bool = False) -> Clinic:
     """
     place = resolve_folder(folder).create()
     lease = ServerLease(place.lease) if serving else None
-    catalogue = Catalogue.open(place.root)
-    audit = Audit(catalogue)
-    calibrations, hands = Calibrations(catalogue, audit), Hands(catalogue, audit)
-    takes = Takes(place, catalogue, audit, calibrations, hands)
-    clinical, limits = Clinical(catalogue, audit), PatientLimits(catalogue, audit)
-    wearers, runs = Wearers(clinical, limits), Runs(place, catalogue, audit)
-    therapy = Therapy(catalogue, takes, clinical, Planner(catalogue, wearers), runs, audit)
-    assessment = Assessment(catalogue, clinical, wearers, limits, therapy, runs)
-    sessions = Sessions(place, catalogue)
-    audit.start()
+    wiring = Wiring(place, serving)
+    wiring.erasures.finish()
+    wiring.audit.start()
+    if serving:
+        wiring.build_all()
+    return _clinic(wiring, lease)
+
+
+def _clinic(wiring: Wiring, lease: ServerLease | None) -> Clinic:
     return Clinic(
-        folder=place.root,
-        catalogue=catalogue,
+        folder=wiring.place.root,
+        catalogue=wiring.catalogue,
         version=__version__,
-        audit=audit,
-        accounts=Accounts(catalogue, audit),
-        patients=Patients(catalogue, audit),
-        clinical=clinical,
-        limits=LimitActs(catalogue, clinical, limits),
-        calibrations=calibrations,
-        hands=hands,
-        takes=takes,
-        marker_names=MarkerNames(place, takes, calibrations),
-        retouching=Retouching(place, takes),
-        therapy=therapy,
-        assessment=assessment,
-        sessions=sessions,
-        reports=Reports(place, sessions, audit),
-        live=LiveDesk(takes, therapy, assessment, audit),
+        audit=wiring.audit,
+        accounts=later(lambda: wiring.accounts),
+        patients=later(lambda: wiring.patients),
+        clinical=later(lambda: wiring.clinical),
+        journal=later(lambda: wiring.journal),
+        outcomes=later(lambda: wiring.outcomes),
+        limits=later(lambda: wiring.limits),
+        limit_history=later(lambda: wiring.limit_history),
+        calibrations=later(lambda: wiring.calibrations),
+        hands=later(lambda: wiring.hands),
+        takes=later(lambda: wiring.takes),
+        approvals=later(lambda: wiring.approvals),
+        exercises=later(lambda: wiring.exercises),
+        plans=later(lambda: wiring.plans),
+        devices=later(lambda: wiring.devices),
+        marker_names=later(lambda: wiring.marker_names),
+        retouching=later(lambda: wiring.retouching),
+        therapy=later(lambda: wiring.therapy),
+        assessment=later(lambda: wiring.assessment),
+        protocols=later(lambda: wiring.protocols),
+        sessions=later(lambda: wiring.sessions),
+        reports=later(lambda: wiring.reports),
+        progress=later(lambda: wiring.progress),
+        proposals=later(lambda: wiring.proposals),
+        repeatability=later(lambda: wiring.repeatability),
+        privacy=later(lambda: wiring.privacy),
+        live=later(lambda: wiring.live),
+        runner=later(lambda: wiring.runner),
+        interrupted=later(lambda: wiring.interrupted),
         lease=lease,
+        closing=wiring.closing,
     )
 
 

@@ -13,7 +13,7 @@ from robot_iface.link import SharedPage, Wire, serve
 def main(arguments: list[str]) -> int:
     """Serve the app at the other end of the link until it is gone; 2 for wrong arguments."""
     if len(arguments) != 2 or not all(argument.isdigit() for argument in arguments):
-        sys.stderr.write("python -m robot_iface is started by the app; use: rehab-app play\n")
+        sys.stderr.write("python -m robot_iface is started by the app; use its pages, or rehab-app play\n")
         return 2
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the app decides; a lost app is braked for
     link, page = (int(argument) for argument in arguments)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rehab_app.hand.exercise_postures import MOVEMENTS, posture_rad
 from robot_iface.kinematics import couple_dip
 from robot_iface.types import FINGERS, JOINTS
 from sessions.errors import Refused
@@ -43,7 +44,7 @@ _SPREAD_DEG = {
     "ring_mcp_abduction": -11.0,
     "little_mcp_abduction": -18.0,
 }
-MOTIONS = ("still", "open_close", "index_pip", "tapping", "pinch", "spread")
+MOTIONS = ("still", "open_close", "index_pip", "tapping", "pinch", "spread", *MOVEMENTS)
 """Names that ``scripted_motion`` knows."""
 
 
@@ -195,6 +196,8 @@ def _targets(name: str, angle_deg: float) -> list[Float64]:
         return [posture(**_PINCH_DEG)]
     if name == "spread":
         return [posture(**_SPREAD_DEG)]
+    if name in MOVEMENTS:
+        return [posture_rad(visited) for visited in MOVEMENTS[name]]
     return [posture()]
 
 

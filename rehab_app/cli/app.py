@@ -7,12 +7,19 @@ from typing import Annotated
 import typer
 
 from rehab_app import __version__
-from rehab_app.cli import clinical, demo, files, people, recording, serving, therapy, track
+from rehab_app.cli import clinical, demo, files, people, privacy, recording, serving, therapy, track
+from rehab_app.cli.assess import assess
 from rehab_app.cli.calibration_files import calibrate
 from rehab_app.cli.camera import camera
+from rehab_app.cli.exercises import exercise, withdraw
 from rehab_app.cli.grasp import grasp
 from rehab_app.cli.limits import limits
+from rehab_app.cli.patient_more import outcome
+from rehab_app.cli.progress_report import progress
+from rehab_app.cli.propose import propose
 from rehab_app.cli.refusals import Commands
+from rehab_app.cli.repeatability import repeatability
+from rehab_app.cli.report import report
 from rehab_app.cli.retouch import retouch
 
 app = typer.Typer(
@@ -48,15 +55,26 @@ app.command("record")(recording.record)
 app.command("track")(track.track)
 app.command("approve")(recording.approve)
 app.command("retouch")(retouch)
+app.command("withdraw")(withdraw)
 app.command("rehearse")(therapy.rehearse)
 app.command("play")(therapy.play)
+app.command("assess")(assess)
 app.command("grasp")(grasp)
-app.command("report")(files.report)
+app.command("report")(report)
+app.command("progress")(progress)
+app.command("propose")(propose)
+app.command("repeatability")(repeatability)
 app.command("info")(files.info)
 app.command("verify")(files.verify)
 app.command("recover")(files.recover)
+app.command("backup")(privacy.backup)
+app.command("restore")(privacy.restore)
+app.command("export")(privacy.export)
 app.add_typer(calibrate, name="calibrate")
 app.add_typer(camera, name="camera")
 app.add_typer(clinical.patient, name="patient")
+clinical.patient.add_typer(outcome, name="outcome")
+app.add_typer(exercise, name="exercise")
 app.add_typer(limits, name="limits")
 app.add_typer(people.user, name="user")
+app.add_typer(privacy.retention, name="retention")

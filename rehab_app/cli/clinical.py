@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as jsonlib
+import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
@@ -164,7 +165,7 @@ def _bones(text: str) -> str:
     """Bone lengths typed in mm as the record keeps them; empty for none.
 
     Raises:
-        Refused: They are not fifteen numbers.
+        Refused: They are not fifteen finite numbers.
     """
     from rehab_app.errors import Refused
 
@@ -174,6 +175,9 @@ def _bones(text: str) -> str:
         lengths = [float(part) / 1e3 for part in text.split(",")]
     except ValueError:
         lengths = []
+    for place, length in enumerate(lengths, start=1):
+        if not math.isfinite(length):
+            raise Refused("--bones-mm", f"no length in place {place}", "a length in mm", "measure this bone")
     if len(lengths) != 15:
         raise Refused("--bones-mm", repr(text[:60]), "15 numbers with commas", "measure five digits of three")
     return jsonlib.dumps([lengths[start : start + 3] for start in range(0, 15, 3)])

@@ -14,9 +14,11 @@ from rehab_app.bootstrap import open_clinic
 from rehab_app.errors import Refused
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.order import Order
+from rehab_app.services.retouching import Wish
 
 ENVIRONMENT = "REHAB_SHARED_DATA"
 SPEED = 0.5
+FORMATS = {"take": ("html", "json"), "session": ("html", "pdf", "json", "note")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,15 +28,24 @@ class Example:
     Attributes:
         name: Stem of its reports.
         file: Where it lies in the folder of recordings.
+        scale: Digits whose movement is made smaller by this factor before it is played.
+        reason: Why.
     """
 
     name: str
     file: str
+    scale: tuple[tuple[str, float], ...] = ()
+    reason: str = ""
 
 
 EXAMPLES = (
     Example("mocap-hand", "mocap_hand_dfki/recording.tsv"),
-    Example("video-hand", "human_hand_video/landmarks_m.npz"),
+    Example(
+        "video-hand",
+        "human_hand_video/landmarks_m.npz",
+        (("ring", 0.95),),
+        "The ring fingertip came nearer to the palm than the 5 mm that a rehearsal asks for.",
+    ),
 )
 
 
@@ -47,7 +58,7 @@ def make_examples(out: Path, seed: int, say: Callable[[str], None]) -> list[Path
         say: Told what is going on.
 
     Returns:
-        The reports: for each recording one of the take and one of the session, as HTML and JSON.
+        The reports: for each recording one of the take and one of the session.
 
     Raises:
         Refused: The recordings are not there.
@@ -85,9 +96,13 @@ def _make(
     clinic: Clinic, example: Example, file: Path, out: Path, seed: int, say: Callable[[str], None]
 ) -> list[Path]:
     summary = clinic.takes.import_file(file, actor=CONSOLE, side="right")
-    clinic.takes.approve(summary.take, CONSOLE)
+    played = summary.take
+    if example.scale:
+        wish = Wish(scale=example.scale)
+        played = clinic.retouching.retouch(played, wish, example.reason, actor=CONSOLE).id
+    clinic.takes.approve(played, CONSOLE)
     order = Order(speed=SPEED, repetitions=1, seed=seed)
-    prepared = clinic.therapy.plan(summary.take, order, actor=CONSOLE)
+    prepared = clinic.therapy.plan(played, order, actor=CONSOLE)
     for note in prepared.notes:
         say(f"  {note}")
     result = clinic.therapy.rehearse_and_play(prepared, actor=CONSOLE)
@@ -95,7 +110,7 @@ def _make(
     say(f"  played at {percent:.0f} % of its speed: {result.simulated_s:.0f} s of therapy")
     made: list[Path] = []
     for subject, kind in ((summary.take, "take"), (result.session, "session")):
-        for path in clinic.reports.report([subject], ("html", "json"), actor=CONSOLE):
+        for path in clinic.reports.report([subject], FORMATS[kind], actor=CONSOLE):
             target = out / f"{example.name}-{kind}{path.suffix}"
             shutil.copyfile(path, target)
             made.append(target)

@@ -1,9 +1,9 @@
-"""Files: report, info, verify, recover."""
+"""Files: info, verify, recover."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, TypeAlias
 
 import typer
 
@@ -13,33 +13,6 @@ from rehab_app.cli.output import Output
 Recording: TypeAlias = Annotated[
     str, typer.Argument(metavar="SESSION", help="Path or catalogue id of a session or take.")
 ]
-
-
-def report(
-    sessions: Annotated[
-        list[str], typer.Argument(metavar="SESSION...", help="Paths or catalogue ids of sessions or takes.")
-    ],
-    formats: Annotated[str, typer.Option("--format", help="html, json, or both with a comma.")] = "html,json",
-    out: Annotated[
-        Path | None, typer.Option("--out", help="Folder, or file for one format.", show_default=False)
-    ] = None,
-    data: Data = None,
-    json: Json = False,
-) -> None:
-    """Report sessions or takes."""
-    import msgspec
-
-    from rehab_app.access import CONSOLE
-    from rehab_app.bootstrap import open_clinic
-
-    output = Output(json)
-    wanted = [name.strip() for name in formats.split(",") if name.strip()]
-    with open_clinic(data) as clinic:
-        made = clinic.reports.report(sessions, wanted, out, actor=CONSOLE)
-        content: dict[str, Any] = msgspec.json.decode(clinic.reports.json(*sessions)) if json else {}
-    for path in made:
-        output.say(f"Report: {path}")
-    output.result({**content, "files": list(made)})
 
 
 def info(session: Recording, data: Data = None, json: Json = False) -> None:
@@ -79,12 +52,28 @@ def info(session: Recording, data: Data = None, json: Json = False) -> None:
     )
 
 
-def verify(session: Recording, data: Data = None, json: Json = False) -> None:
-    """Prove that a session file is whole: checksums, records, digest."""
+def verify(
+    session: Annotated[
+        str,
+        typer.Argument(
+            metavar="SESSION", help="Path or catalogue id of a session or take.", show_default=False
+        ),
+    ] = "",
+    audit: Annotated[bool, typer.Option("--audit", help="The clinic's audit instead of a file.")] = False,
+    data: Data = None,
+    json: Json = False,
+) -> None:
+    """Prove that a session file is whole (checksums, records, digest), or the audit's hash chain."""
+    from rehab_app.cli.audit import verify_audit
     from rehab_app.cli.locate import locate
     from sessions.store import verify as prove
 
     output = Output(json)
+    if audit == bool(session):
+        raise typer.BadParameter("name a session or take, or give --audit")
+    if audit:
+        verify_audit(data, output)
+        return
     proof = prove(locate(session, data))
     beside = "as noted beside it" if proof.digest_noted else "no digest is noted beside it"
     output.say(f"{proof.path.name} is whole: {proof.chunks} chunks, SHA-256 {proof.sha256} ({beside}).")

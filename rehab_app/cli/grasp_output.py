@@ -32,11 +32,20 @@ def posture_json(posture: Posture) -> dict[str, Any]:
             for digit, radii in posture.radius_m.items()
         },
         "contacts": [{"digit": at.digit, "link": at.link, "gap_m": at.gap_m} for at in posture.contacts],
+        "not_touching": not_touching(posture),
         "penetration_m": posture.penetration_m,
         "arc_rad": posture.arc_rad,
         "aperture_rad": posture.aperture_rad,
         "warnings": list(posture.warnings),
     }
+
+
+def not_touching(posture: Posture) -> list[str]:
+    """Digits that do not touch the object in this posture."""
+    from sessions.records import DIGITS
+
+    touching = {contact.digit for contact in posture.contacts}
+    return [digit for digit in DIGITS if digit not in touching]
 
 
 def precision_json(held: PrecisionGrip) -> dict[str, Any]:

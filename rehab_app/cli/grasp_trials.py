@@ -16,11 +16,15 @@ if TYPE_CHECKING:
 def write_take(output: Output, file: Path, posture: Posture, way: GraspPath) -> dict[str, Any]:
     """Make a take of a grasp; what to say of it, as JSON."""
     from rehab_app import __version__
+    from rehab_app.grasp.target_json import StoredTarget
     from rehab_app.recording.grasp_take import write_grasp_take
     from rehab_app.services.grip_target import GripChoice
 
     words = GripChoice(posture.thing, posture.grip).words
-    sealed = write_grasp_take(file, way, posture.hand, exercise=words, software_version=__version__)
+    target = StoredTarget(posture.thing, posture.grip, dict(posture.angles_rad))
+    sealed = write_grasp_take(
+        file, way, posture.hand, exercise=words, software_version=__version__, target=target
+    )
     output.say(f"Take: {sealed.path}. Approve it with: rehab-app approve {sealed.path} --by NAME")
     return {"take": sealed.path, "sha256": sealed.sha256}
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import asdict
-from typing import Annotated
+from typing import Annotated, TypeAlias
 
 import typer
 
@@ -14,6 +14,8 @@ from rehab_app.cli.refusals import Commands
 
 patient = typer.Typer(cls=Commands, help="Patients of the clinic.", no_args_is_help=True)
 user = typer.Typer(cls=Commands, help="Accounts of the clinic.", no_args_is_help=True)
+_ROLES = "administrator, therapist, assistant, patient or auditor."
+Name: TypeAlias = Annotated[str, typer.Argument(metavar="NAME", help="Sign-in name.")]
 
 
 @patient.command("add")
@@ -63,10 +65,8 @@ def list_patients(data: Data = None, json: Json = False) -> None:
 
 @user.command("add")
 def add_user(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Sign-in name.")],
-    role: Annotated[
-        str, typer.Option("--role", help="administrator, therapist, assistant, patient or auditor.")
-    ] = "therapist",
+    name: Name,
+    role: Annotated[str, typer.Option("--role", help=_ROLES)] = "therapist",
     data: Data = None,
     json: Json = False,
 ) -> None:
@@ -94,6 +94,51 @@ def list_users(data: Data = None, json: Json = False) -> None:
     for account in accounts:
         output.say(f"{account.name}  {account.role}")
     output.result({"users": [{"name": account.name, "role": account.role} for account in accounts]})
+
+
+@user.command("role")
+def change_role(
+    name: Name,
+    role: Annotated[str, typer.Argument(metavar="ROLE", help=_ROLES)],
+    data: Data = None,
+    json: Json = False,
+) -> None:
+    """Give an account another role; it is signed out everywhere."""
+    from rehab_app.access import CONSOLE
+    from rehab_app.bootstrap import open_clinic
+
+    output = Output(json)
+    with open_clinic(data) as clinic:
+        account = clinic.accounts.change_role(name, role, CONSOLE)
+    output.say(f"{account.name} is {account.role} now and signs in again.")
+    output.result({"name": account.name, "role": account.role})
+
+
+@user.command("password")
+def reset_password(name: Name, data: Data = None, json: Json = False) -> None:
+    """Give an account a new password, asked for or read from stdin; it is signed out everywhere."""
+    from rehab_app.access import CONSOLE
+    from rehab_app.bootstrap import open_clinic
+
+    output = Output(json)
+    password = _password()
+    with open_clinic(data) as clinic:
+        clinic.accounts.reset_password(name, password, CONSOLE)
+    output.say(f"{name} has a new password and signs in again.")
+    output.result({"name": name})
+
+
+@user.command("close")
+def close_user(name: Name, data: Data = None, json: Json = False) -> None:
+    """Close an account: it may sign in no more; what it did stays in the audit."""
+    from rehab_app.access import CONSOLE
+    from rehab_app.bootstrap import open_clinic
+
+    output = Output(json)
+    with open_clinic(data) as clinic:
+        clinic.accounts.close(name, CONSOLE)
+    output.say(f"The account {name} is closed.")
+    output.result({"name": name, "closed": True})
 
 
 def _password() -> str:

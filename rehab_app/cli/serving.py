@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -13,14 +14,24 @@ from rehab_app.cli.output import Output
 def serve(
     host: Annotated[str, typer.Option("--host", help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option("--port", help="Port to listen on.", min=1, max=65535)] = 8080,
+    certificate: Annotated[
+        Path | None, typer.Option("--tls-cert", help="Certificate chain, PEM.", show_default=False)
+    ] = None,
+    key: Annotated[
+        Path | None, typer.Option("--tls-key", help="Its private key, PEM.", show_default=False)
+    ] = None,
     data: Data = None,
 ) -> None:
     """Open the clinic for browsers."""
     from rehab_app.bootstrap import check_port, open_clinic
     from rehab_app.cli.doctor import unsealed
     from rehab_app.config import ClinicFolder
+    from rehab_app.web.tls import tls_files
 
     output = Output(False)
+    tls = tls_files(certificate, key)
+    if tls is not None and tls.warning:
+        output.say(tls.warning)
     check_port(host, port)
     with open_clinic(data, serving=True) as clinic:
         from rehab_app.web import serve as run
@@ -31,8 +42,10 @@ def serve(
             clinic,
             host=host,
             port=port,
+            tls=tls,
             ready=lambda: output.say(
-                f"The clinic is open at http://{shown(host)}:{port} - end it with Ctrl+C."
+                f"The clinic is open at {'https' if tls else 'http'}://{shown(host)}:{port}"
+                " - end it with Ctrl+C."
             ),
         )
 

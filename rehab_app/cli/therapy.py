@@ -70,6 +70,8 @@ def play(
     _tell_result(output, result)
     notes = {"speed": prepared.plan.prescription.speed, "notes": list(prepared.notes)}
     output.result({**result_json(result), **notes})
+    if result.stops and not result.repetitions:  # what was begun is a session; what was not is a failure
+        raise typer.Exit(1)
 
 
 def _stop_on_interrupt(stop: Callable[[], None]) -> None:
@@ -114,11 +116,15 @@ def tell_plan(output: Output, prepared: PreparedPlan) -> None:
 
 
 def _tell_result(output: Output, result: PlayResult) -> None:
+    from rehab_app.therapy.run_causes import words_of
+
     for item in result.repetitions:
         error = "not measurable" if item.rmse_rad is None else f"{math.degrees(item.rmse_rad):.1f} deg"
         tips = "" if item.fingertip_rmse_m is None else f", fingertips {1e3 * item.fingertip_rmse_m:.1f} mm"
         by = item.started_by or "nobody"
         output.say(f"Repetition {item.index + 1}: joint error {error}{tips}, started by {by}.")
     for stop in result.stops:
-        output.say(f"Stop after {stop.t_s:.2f} s: {stop.cause} ({stop.category}).")
+        output.say(f"Stopped after {stop.t_s:.2f} s ({stop.category}): {words_of(stop.cause)}")
+    if result.stops and not result.repetitions:
+        output.say("Nothing was played: no repetition was begun.")
     output.say(f"Session {result.session} lies in {result.path}.")

@@ -9,6 +9,7 @@ import numpy as np
 
 from rehab_app.grasp.hand import GraspHand
 from rehab_app.grasp.spiral import GraspPath
+from rehab_app.grasp.target_json import StoredTarget, target_to_json
 from rehab_app.grasp.timing import CLOSING_S, HOLD_S, there_and_back
 from rehab_app.hand.pose_fit import HandFit
 from rehab_app.hand.records import take_records
@@ -36,6 +37,7 @@ def write_grasp_take(
     *,
     exercise: str,
     software_version: str,
+    target: StoredTarget | None = None,
     closing_s: float = CLOSING_S,
     hold_s: float = HOLD_S,
 ) -> SealedSession:
@@ -47,6 +49,7 @@ def write_grasp_take(
         hand: The person's hand that it was made for; its side is the take's.
         exercise: What is grasped, in words.
         software_version: Version of the application.
+        target: What is grasped and how, for reviews; None keeps it to the words.
         closing_s: Time from open to the grasp; opening takes as long.
         hold_s: Time in the grasp.
 
@@ -69,6 +72,7 @@ def write_grasp_take(
         software_version=software_version,
         utc_start_ns=Timebase.now().utc_start_ns,
         monotonic_start_ns=0,
+        prescription="" if target is None else target_to_json(target),
         marker_protocol="",
         marker_names=(),
         subject_hand=subject_to_json(Subject(geometry, (), np.zeros((0, 3)))),

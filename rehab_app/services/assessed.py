@@ -12,6 +12,7 @@ from rehab_app.therapy.run import PlayResult
 from robot_iface.motion.limits import SweepResult
 from robot_iface.runtime import Message
 from robot_iface.runtime.sweep_fit_reading import FitResult
+from robot_iface.runtime.sweep_tone_reading import ToneResult
 from robot_iface.types import Float64, PhaseChange, RunEnd, TickBlock
 from sessions.catalogue import DayLimits
 
@@ -42,6 +43,19 @@ class CheckedFit:
 
     run: PlayResult
     result: FitResult
+
+
+@dataclass(frozen=True, slots=True)
+class ToneRun:
+    """A tone test.
+
+    Attributes:
+        run: Its sealed session.
+        result: What it found.
+    """
+
+    run: PlayResult
+    result: ToneResult
 
 
 class Heard:

@@ -10,14 +10,22 @@ from rehab_app import __version__
 from rehab_app.access import Account, require
 from rehab_app.errors import Refused
 from rehab_app.services import storage
-from rehab_app.services.assessed import CheckedFit, Heard, MeasuredLimits, fit_to_json, neutral_from_json
+from rehab_app.services.assessed import (
+    CheckedFit,
+    Heard,
+    MeasuredLimits,
+    ToneRun,
+    fit_to_json,
+    neutral_from_json,
+)
 from rehab_app.services.clinical import Clinical
 from rehab_app.services.clock import day_end_ns
 from rehab_app.services.order import PLAIN, Order
 from rehab_app.services.patient_limits import PatientLimits
+from rehab_app.services.protocol_records import ProtocolRecords
 from rehab_app.services.rows import PreparedPlan
 from rehab_app.services.runs import Runs, Watch
-from rehab_app.services.sweep_postures import postures_of
+from rehab_app.services.sweep_postures import EXERCISES, sweep_of
 from rehab_app.services.therapy import Therapy, check_accepted
 from rehab_app.services.wearer import Wearers, binding
 from rehab_app.therapy.run import PlayResult
@@ -27,6 +35,7 @@ from robot_iface.motion.limits import limits_of
 from robot_iface.runtime import Message
 from robot_iface.runtime.sweep_fit_reading import fit_result
 from robot_iface.runtime.sweep_reading import measured_range
+from robot_iface.runtime.sweep_tone_reading import tone_result
 from robot_iface.types import (
     MODES,
     Certificate,
@@ -39,9 +48,6 @@ from robot_iface.types import (
 )
 from sessions.catalogue import Catalogue, FitCheck
 
-RANGE = "range of motion sweep"
-FIT = "fit check"
-
 
 class Assessment:
     """Runs guided assessments and keeps what they measure.
@@ -53,6 +59,7 @@ class Assessment:
         limits: Where limits are kept.
         therapy: What rehearses.
         runs: Runs and keeps them.
+        records: Where ranges are kept.
         clock_ns: UTC in ns.
     """
 
@@ -64,6 +71,7 @@ class Assessment:
         limits: PatientLimits,
         therapy: Therapy,
         runs: Runs,
+        records: ProtocolRecords,
         clock_ns: Callable[[], int] = time.time_ns,
     ) -> None:
         self._catalogue = catalogue
@@ -72,6 +80,7 @@ class Assessment:
         self._limits = limits
         self._therapy = therapy
         self._runs = runs
+        self._records = records
         self._clock_ns = clock_ns
 
     def plan_range(self, patient_id: str, order: Order = PLAIN, *, actor: Account) -> PreparedPlan:
@@ -92,6 +101,14 @@ class Assessment:
         locked = self._clinical.locks(patient_id)
         opened: tuple[Mode, ...] = tuple(mode for mode in MODES if mode not in locked)
         return self._plan(patient_id, order, actor, "fit", opened[:1] or MODES[:1])
+
+    def plan_tone(self, patient_id: str, order: Order = PLAIN, *, actor: Account) -> PreparedPlan:
+        """The stretches of the fingers at three speeds, three times each.
+
+        Raises:
+            Refused: The actor may not play, the patient is unknown, or the diagnosis locks passive today.
+        """
+        return self._plan(patient_id, order, actor, "tone", ("passive",))
 
     def measure_limits(
         self,
@@ -132,6 +149,7 @@ class Assessment:
         )
         patient = self._catalogue.patient(prepared.patient_id)
         kept = self._limits.keep(actor, patient, device, limits, prepared.plan.wrist_rad)
+        self._records.keep_range(actor, prepared, run, result)
         return MeasuredLimits(run, result, kept)
 
     def check_fit(
@@ -169,6 +187,25 @@ class Assessment:
         )
         return CheckedFit(run, result)
 
+    def measure_tone(
+        self,
+        prepared: PreparedPlan,
+        *,
+        actor: Account,
+        out: Path | None = None,
+        client: MotionClient | None = None,
+        present: str | None = None,
+        certificate: Certificate | None = None,
+        watch: Watch | None = None,
+    ) -> ToneRun:
+        """Rehearse and run the tone test. The arguments are those of ``measure_limits``.
+
+        Raises:
+            Refused: The actor may not, the plan is another patient's, or the rehearsal met a limit.
+        """
+        run, heard = self._run(prepared, actor, out, client, present, certificate, watch)
+        return ToneRun(run, tone_result(heard.blocks, heard.phases, _sweep(prepared)))
+
     def require_fit(self, patient_id: str | None, order: Order, *, actor: Account) -> CheckedFit:
         """The fit check before a worn run, for whoever asks for it.
 
@@ -199,8 +236,7 @@ class Assessment:
         if not device.worn:
             raise Refused(f"{order.device}", "not worn", "worn by the patient", "choose another robot")
         wearer = self._wearers.wearer(patient, patient.side, device, order, modes, measuring=True)
-        names, goals = postures_of(kind, device.joint_names, wearer.limits)
-        sweep = Sweep("fit" if kind == "fit" else "range", device.joint_names, patient.side, names, goals)
+        sweep = sweep_of(kind, device, patient.side, wearer.limits)
         plan = Plan(
             device=order.device,
             path=None,
@@ -221,7 +257,7 @@ class Assessment:
             geometry=wearer.geometry,
             patient_id=patient.id,
             take_id="",
-            exercise=FIT if kind == "fit" else RANGE,
+            exercise=EXERCISES[kind],
             identity=wearer.identity,
             binding=binding(patient.id, plan),
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,6 +15,7 @@ from rehab_app.errors import Refused
 from rehab_app.services.audit import Audit
 from rehab_app.services.clock import local_day
 from rehab_app.services.diagnosis import check_mode, locks_of, template
+from rehab_app.services.mode_locks import ModeLock, mode_locks
 from robot_iface.types import DIGITS, MODES, Mode
 from sessions.catalogue import Catalogue, ClinicalRecord, ModeUnlock, Patient
 
@@ -37,6 +39,7 @@ class Clinical:
         self._catalogue = catalogue
         self._audit = audit
         self._clock_ns = clock_ns
+        self._one_at_a_time = threading.Lock()
 
     def record(self, patient_id: str) -> ClinicalRecord | None:
         """The newest record, None where nobody stated one.
@@ -46,21 +49,37 @@ class Clinical:
         """
         return next(iter(self._catalogue.clinical_records(patient_id)), None)
 
-    def state(self, actor: Account, record: ClinicalRecord) -> ClinicalRecord:
+    def state(self, actor: Account, record: ClinicalRecord, since: int | None = None) -> ClinicalRecord:
         """State what is known of a hand now; ``by`` becomes the actor.
+
+        Args:
+            actor: Who states it (verb "prescribe").
+            record: What is known.
+            since: Version that the actor had read, 0 where there was none; None if it does not matter.
 
         Raises:
             Refused: The actor may not prescribe, the patient or diagnosis is unknown, the event lies in the
-                future or before birth, or the bones are those of no hand.
+                future or before birth, the bones are those of no hand, or somebody stated another version
+                since.
         """
         require(actor, "prescribe")
         template(record.diagnosis)
         _check_event(record.event_date, self._catalogue.patient(record.patient), self._today)
         if record.bones_m:
             bones_of(record)
-        kept = self._catalogue.add_clinical_record(replace(record, by=actor.name))
+        with self._one_at_a_time:
+            _check_read(self.record(record.patient), since)
+            kept = self._catalogue.add_clinical_record(replace(record, by=actor.name))
         self._audit.note(actor, "state clinical record", kept.patient, f"version {kept.id}, {kept.diagnosis}")
         return kept
+
+    def records(self, patient_id: str) -> tuple[ClinicalRecord, ...]:
+        """Every version of the record, newest first.
+
+        Raises:
+            Refused: The patient is unknown.
+        """
+        return self._catalogue.clinical_records(patient_id)
 
     def unlock(self, actor: Account, patient_id: str, mode: str, reason: str) -> ModeUnlock:
         """Let a mode be used before its date, for the diagnosis and event that are stated now.
@@ -101,6 +120,17 @@ class Clinical:
         if record is None:
             return {}
         return locks_of(record, self._catalogue.mode_unlocks(patient_id), self._today)
+
+    def mode_locks(self, patient_id: str) -> tuple[ModeLock, ...]:
+        """Modes that the record closes at first, the open ones among them; empty without a record.
+
+        Raises:
+            Refused: The patient is unknown.
+        """
+        record = self.record(patient_id)
+        if record is None:
+            return ()
+        return mode_locks(record, self._catalogue.mode_unlocks(patient_id), self._today)
 
     def check_mode(self, patient_id: str, mode: Mode) -> tuple[str, ...]:
         """Let a mode pass for a patient today; says who unlocked it where somebody had to.
@@ -158,6 +188,14 @@ def bones_of(record: ClinicalRecord) -> tuple[tuple[float, ...], ...]:
             "measure them again or leave them out",
         )
     return rows
+
+
+def _check_read(newest: ClinicalRecord | None, since: int | None) -> None:
+    """Refuse to state a record over one that the person has not read."""
+    if since is not None and newest is not None and newest.id != since:
+        value = f"stated anew by {newest.by} (version {newest.id}, yours was {since})"
+        thing = f"clinical record of {newest.patient}"
+        raise Refused(thing, value, "unchanged since you opened it", "compare and save again")
 
 
 def _check_event(event_date: str, patient: Patient, today: date) -> None:

@@ -15,6 +15,7 @@ from rehab_app.grasp.holding import held_range_m
 from rehab_app.grasp.objects import Box, Cylinder, Sphere, Thing
 from rehab_app.grasp.posture import Posture, try_posture
 from rehab_app.grasp.shape import aperture_rad
+from rehab_app.grasp.target_json import target_from_json
 from robot_iface.kinematics import HandGeometry, forward
 from sessions.records import DIGITS, FINGERTIPS, JOINTS, LANDMARKS
 from sessions.records.fields import Float64
@@ -77,6 +78,12 @@ def grip_choice(
     return (
         GripChoice(Sphere(radius_m), "transverse") if kind == "ball" else GripChoice(Cylinder(radius_m), grip)
     )
+
+
+def recorded_choice(prescription: str) -> GripChoice | None:
+    """The grip that a recording aimed at, by the prescription in its header; None of any other recording."""
+    found = target_from_json(prescription)
+    return None if found is None else GripChoice(found.thing, found.grip)
 
 
 def choice_fields(choice: GripChoice | None) -> dict[str, str]:

@@ -18,6 +18,8 @@ from sessions.catalogue import RANGE_HIGH, RANGE_LOW, TORQUE_LIMIT, Catalogue, L
 
 LEAST_NM = 0.02
 """Below this a joint cannot be moved at all."""
+LEAST_RANGE_RAD = math.radians(5.0)
+"""A narrower range is a typing error: no movement fits into it."""
 _ROUNDING = 1e-9
 
 
@@ -110,14 +112,16 @@ class LimitActs:
 
         Raises:
             Refused: It is widened by somebody who may not prescribe or without a reason, reaches beyond what
-                was measured, or does not open; or patient, device or joint is unknown.
+                was measured, or is narrower than 5 degrees; or patient, device or joint is unknown.
         """
         case = self._case(patient_id, device, wrist_rad)
         column = case.column(joint)
         lowest, highest = _ends(case.today.base.q_min_rad[column], case.today.base.q_max_rad[column])
-        if not lowest - _ROUNDING <= low_rad < high_rad <= highest + _ROUNDING:
-            span = f"{math.degrees(low_rad):.0f} to {math.degrees(high_rad):.0f} degrees"
-            bound = f"rising, within {math.degrees(lowest):.0f} to {math.degrees(highest):.0f}"
+        within = lowest - _ROUNDING <= low_rad and high_rad <= highest + _ROUNDING
+        if not (within and high_rad - low_rad >= LEAST_RANGE_RAD - _ROUNDING):
+            span = f"{math.degrees(low_rad):.4g} to {math.degrees(high_rad):.4g} degrees"
+            least = f"{math.degrees(LEAST_RANGE_RAD):.0f} degrees or wider"
+            bound = f"{least}, within {math.degrees(lowest):.0f} to {math.degrees(highest):.0f}"
             raise Refused(f"range of {joint}", span, bound, "choose within it, or measure the range again")
         low, high = _ends(case.today.limits.q_min_rad[column], case.today.limits.q_max_rad[column])
         if low_rad < low - _ROUNDING or high_rad > high + _ROUNDING:

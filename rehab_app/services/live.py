@@ -20,6 +20,7 @@ from rehab_app.services.assessment import Assessment
 from rehab_app.services.audit import Audit
 from rehab_app.services.live_board import Board
 from rehab_app.services.live_controls import LiveControls
+from rehab_app.services.live_interrupted import Interrupted
 from rehab_app.services.live_recording import RecordingJob, RecordingOrder
 from rehab_app.services.live_target import LiveTarget
 from rehab_app.services.live_therapy import TherapyJob
@@ -43,13 +44,22 @@ class LiveDesk:
         therapy: What rehearses and plays.
         assessment: What measures range and fit.
         audit: Where every verb is noted.
+        interrupted: Restores what a run that broke off had recorded; None to leave that to the next start.
 
     Attributes:
         controls: The verbs of the run that goes on.
         target: The target grip that the pictures show.
     """
 
-    def __init__(self, takes: Takes, therapy: Therapy, assessment: Assessment, audit: Audit) -> None:
+    def __init__(
+        self,
+        takes: Takes,
+        therapy: Therapy,
+        assessment: Assessment,
+        audit: Audit,
+        interrupted: Interrupted | None = None,
+    ) -> None:
+        self._interrupted = interrupted
         self._takes = takes
         self._therapy = therapy
         self._works = Works(therapy, assessment)
@@ -286,3 +296,5 @@ class LiveDesk:
             self._job = None
             if message:
                 self._board.update(state="failed", message=message)
+                if self._interrupted is not None:
+                    self._interrupted.restore()

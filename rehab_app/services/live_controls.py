@@ -11,7 +11,9 @@ from rehab_app.services.live_therapy import TherapyJob
 
 
 class LiveControls:
-    """The verbs of a run. Each asks for the role, returns at once and leaves an audit row.
+    """The verbs of a run. Each returns at once and leaves an audit row.
+
+    Making the run safer (hold it, slow it down) is anybody's; whatever else asks for the role.
 
     Args:
         running: Gives the run that goes on, None where there is none.
@@ -23,12 +25,12 @@ class LiveControls:
         self._audit = audit
 
     def pause(self, account: Account) -> None:
-        """Hold the path.
+        """Hold the path; anybody may.
 
         Raises:
-            Refused: The role may not play, or nothing is played; so for every verb here.
+            Refused: Nothing is played; so for every verb here.
         """
-        self._run(account, "pause").pause()
+        self._going_on("pause").pause()
         self._note(account, "pause")
 
     def resume(self, account: Account) -> None:
@@ -40,7 +42,7 @@ class LiveControls:
         """Go back along the path, to its start at most; in a sweep, back to the relaxed hand.
 
         Raises:
-            Refused: As of ``pause``, or the movement is held.
+            Refused: As of ``pause``, the role may not play, or the movement is held.
         """
         self._run(account, "reverse").reverse()
         self._note(account, "reverse")
@@ -51,12 +53,14 @@ class LiveControls:
         self._note(account, "next")
 
     def set_speed(self, account: Account, speed: float) -> None:
-        """Ask for another path speed, 0.1 to 1.
+        """Ask for another path speed, 0.1 to 1; anybody may slow it down.
 
         Raises:
-            Refused: As of ``pause``, or the speed is out of bounds.
+            Refused: As of ``pause``, the speed is out of bounds, or it is raised by a role that may not play.
         """
-        job = self._run(account, "speed")
+        job = self._going_on("speed")
+        if not speed <= job.speed:
+            require(account, "play")
         if not 0.1 <= speed <= 1.0:
             raise Refused("speed", f"{speed:g}", "0.1 to 1", "choose a speed within it")
         job.set_speed(speed)
@@ -64,6 +68,9 @@ class LiveControls:
 
     def _run(self, account: Account, verb: str) -> TherapyJob:
         require(account, "play")
+        return self._going_on(verb)
+
+    def _going_on(self, verb: str) -> TherapyJob:
         job = self._running()
         if job is None:
             raise Refused(

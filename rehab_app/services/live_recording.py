@@ -12,10 +12,12 @@ from rehab_app.recording.live_pose import LivePose
 from rehab_app.services.live_board import Board
 from rehab_app.services.picture_maker import PictureMaker
 from rehab_app.services.recording_request import RecordingRequest
+from rehab_app.services.replay import replay_of
 from rehab_app.services.take_sources import Listeners
 from rehab_app.services.takes import Takes
 
 _STEP_S = 0.1
+_MOST_NAMED = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,10 +71,17 @@ class RecordingJob:
         listeners = Listeners(self._show, self._show_outage, self._finish.is_set)
         with self._pictures:
             summary = self._takes.record(order.request, order.actor, listeners=listeners)
+        found = replay_of(summary.path).repetitions_s
+        counted = f"{len(found)} repetition{'' if len(found) == 1 else 's'}"
         self._board.update(
             state="done",
-            message=f"Take {summary.take} recorded ({summary.duration_s:.1f} s). Look at it and approve it.",
+            message=f"Take {summary.take} recorded ({summary.duration_s:.1f} s, {counted}). "
+            "Look at it and approve it.",
             take_id=summary.take,
+            notes=tuple(
+                f"Repetition {number}: {begin_s:.1f} to {end_s:.1f} s."
+                for number, (begin_s, end_s) in enumerate(found[:_MOST_NAMED], start=1)
+            ),
         )
 
     def _show(self, live: LivePose) -> None:

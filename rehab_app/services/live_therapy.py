@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import threading
 import time
 from collections.abc import Callable
@@ -27,6 +28,7 @@ BEAT_S = 1.0 / 30.0
 OPERATOR_SILENCE_S = 1.0
 RESUME_WAIT_S = 3.0
 _NOTES = 12
+_BEAT_NICE = -10
 _SILENT = ("order-refused Resume", "order-refused Reset", "operator-silent", "reset", "repetitions", "sweep")
 """What the page shows in another way, or asks for again by itself."""
 GOING = {"therapy": "Playing.", "range": "Measuring today's range.", "fit": "Checking the fit."}
@@ -125,6 +127,11 @@ class TherapyJob:
         if self._client is not None:
             self._client.advance()
 
+    @property
+    def speed(self) -> float:
+        """The path speed that was asked for last."""
+        return self._board.snapshot.speed
+
     def set_speed(self, speed: float) -> None:
         """Ask for another path speed."""
         if self._client is not None:
@@ -195,6 +202,8 @@ class TherapyJob:
 
     def _beat(self, client: MotionClient) -> None:
         """Give the sign of life, 30 times a second; no drawing may ever delay it into a stop."""
+        with contextlib.suppress(OSError):  # where this is not permitted, it keeps the priority of the others
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _BEAT_NICE)
         while not self._done.wait(BEAT_S):
             client.beat()
 

@@ -93,8 +93,15 @@ class Order:
             skin_check_s: Motion time between looks at the skin.
 
         Raises:
-            Refused: A word or number is out of bounds.
+            Refused: A word or number is out of bounds, or the warm-up never ends.
         """
+        if self.warm_up > self.repetitions >= 1:
+            raise Refused(
+                "warm-up",
+                f"{self.warm_up} of {self.repetitions} repetitions",
+                "no more than there are repetitions",
+                "shorten the warm-up or make more repetitions",
+            )
         asked = Prescription(
             self.named_mode(),
             speed=self.speed,

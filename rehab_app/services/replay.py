@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from rehab_app.hand.subject import geometry_from_json
+from rehab_app.services.replay_repetitions import of_movement, of_session
 from rehab_app.services.rows import Replay
 from sessions.errors import Refused
 from sessions.records import Event
@@ -37,15 +38,18 @@ def _take(reader: SessionReader) -> Replay:
     rows = reader.columns(HAND_POSE, names=("joints_rad",))
     t_ns = np.asarray(rows["t_ns"], dtype=np.int64)
     chosen = _thinned(t_ns, reader.path)
+    t_s = _since(t_ns[chosen], int(t_ns[0]))
+    joints = np.asarray(rows["joints_rad"], dtype=np.float64)[chosen]
     return Replay(
-        t_s=_since(t_ns[chosen], int(t_ns[0])),
+        t_s=t_s,
         reference_joints_rad=None,
-        patient_joints_rad=np.asarray(rows["joints_rad"], dtype=np.float64)[chosen],
+        patient_joints_rad=joints,
         fingertip_error_m=None,
         phases=(),
         events=_events(reader, int(t_ns[0])),
         geometry=geometry_from_json(reader.header.subject_hand),
         side=reader.header.side,
+        repetitions_s=of_movement(t_s, joints),
     )
 
 
@@ -76,6 +80,7 @@ def _session(reader: SessionReader) -> Replay:
         geometry=geometry,
         side=reader.header.side,
         reference_geometry=geometry,
+        repetitions_s=of_session(reader, int(t_ns[0]), int(t_ns[-1])),
     )
 
 
@@ -91,6 +96,7 @@ def _sweep(reader: SessionReader, t_ns: Int64, joints_rad: Float64) -> Replay:
         events=_events(reader, int(t_ns[0])),
         geometry=geometry_from_json(reader.header.subject_hand),
         side=reader.header.side,
+        repetitions_s=of_session(reader, int(t_ns[0]), int(t_ns[-1])),
     )
 
 

@@ -8,11 +8,10 @@ from pathlib import Path
 from rehab_app.access import Account, require
 from rehab_app.config import ClinicFolder
 from rehab_app.errors import Refused
+from rehab_app.services.aside import aside
 from rehab_app.services.audit import Audit
 from rehab_app.services.sessions import Sessions
-from sessions.reports import Report, build_report, render_html, render_json
-
-FORMATS = ("html", "json")
+from sessions.reports import FORMATS, Format, build_report
 
 
 class Reports:
@@ -22,12 +21,16 @@ class Reports:
         folder: The clinic folder.
         sessions: Where subjects are found.
         audit: Where written reports are noted.
+        serving: Whether a server asks: then each report is measured and rendered in a process of its own.
     """
 
-    def __init__(self, folder: ClinicFolder, sessions: Sessions, audit: Audit) -> None:
+    def __init__(
+        self, folder: ClinicFolder, sessions: Sessions, audit: Audit, *, serving: bool = False
+    ) -> None:
         self._folder = folder
         self._sessions = sessions
         self._audit = audit
+        self._serving = serving
 
     def report(
         self,
@@ -41,7 +44,7 @@ class Reports:
 
         Args:
             subjects: Sessions or takes.
-            formats: "html", "json" or both.
+            formats: Names of ``FORMATS``.
             out: Folder, or file for one format; by default the clinic's reports, named after the subject.
             actor: Who asks (verb "view").
 
@@ -49,14 +52,41 @@ class Reports:
             Refused: A subject or format is unknown, or a file is damaged.
         """
         require(actor, "view")
-        self._check(formats)
-        targets = self._targets(subjects, formats, out)
-        report = self._build(subjects)
-        for name, target in zip(formats, targets, strict=True):
-            content = render_html(report).encode("utf-8") if name == "html" else render_json(report)
-            _write(target, content)
+        chosen = [format_named(name) for name in formats]
+        if not chosen:
+            raise Refused("report format", "none", "one of " + ", ".join(FORMATS), "name one with --format")
+        targets = self._targets(subjects, chosen, out)
+        report = build_report([self._sessions.path(subject) for subject in subjects])
+        for made, target in zip(chosen, targets, strict=True):
+            write_whole(target, made.render(report))
         self._audit.note(actor, "report", ", ".join(Path(str(subject)).stem for subject in subjects))
         return targets
+
+    def rendered(self, format_name: str, *subjects: str | Path) -> bytes:
+        """Report of sessions or takes in one format.
+
+        Raises:
+            Refused: There is no such format or subject, or its file is damaged.
+        """
+        format_named(format_name)
+        paths = [self._sessions.path(subject) for subject in subjects]
+        return aside(_rendered, format_name, paths) if self._serving else _rendered(format_name, paths)
+
+    def download(self, actor: Account, format_name: str, *subjects: str | Path) -> bytes:
+        """As ``rendered``, noted in the audit.
+
+        Args:
+            actor: Who takes it away (verb "view").
+            format_name: A name of ``FORMATS``.
+            subjects: Sessions or takes.
+
+        Raises:
+            Refused: The actor may not; there is no such format or subject, or its file is damaged.
+        """
+        require(actor, "view")
+        made = self.rendered(format_name, *subjects)
+        self._audit.note(actor, "report", ", ".join(Path(str(one)).stem for one in subjects), format_name)
+        return made
 
     def html(self, *subjects: str | Path) -> str:
         """Report of sessions or takes as a self-contained page.
@@ -64,7 +94,7 @@ class Reports:
         Raises:
             Refused: There is no such subject, or its file is damaged.
         """
-        return render_html(self._build(subjects))
+        return self.rendered("html", *subjects).decode()
 
     def json(self, *subjects: str | Path) -> bytes:
         """Report of sessions or takes as JSON, SI units.
@@ -72,33 +102,32 @@ class Reports:
         Raises:
             Refused: There is no such subject, or its file is damaged.
         """
-        return render_json(self._build(subjects))
-
-    def _build(self, subjects: Sequence[str | Path]) -> Report:
-        return build_report([self._sessions.path(subject) for subject in subjects])
-
-    def _check(self, formats: Sequence[str]) -> None:
-        for name in formats:
-            if name not in FORMATS:
-                raise Refused(
-                    "report format", repr(name), "one of " + ", ".join(FORMATS), "choose one of them"
-                )
-        if not formats:
-            raise Refused("report format", "none", "one of " + ", ".join(FORMATS), "name one with --format")
+        return self.rendered("json", *subjects)
 
     def _targets(
-        self, subjects: Sequence[str | Path], formats: Sequence[str], out: Path | None
+        self, subjects: Sequence[str | Path], formats: Sequence[Format], out: Path | None
     ) -> tuple[Path, ...]:
-        if out is not None and len(formats) == 1 and out.suffix == f".{formats[0]}":
+        if out is not None and len(formats) == 1 and out.name.endswith(formats[0].suffix):
             return (out,)
         folder = self._folder.reports if out is None else out
         stem = "-".join(self._sessions.path(subject).stem for subject in subjects[:2])
         if len(subjects) > 2:
             stem += f"-and-{len(subjects) - 2}-more"
-        return tuple(folder / f"{stem}.{name}" for name in formats)
+        return tuple(folder / f"{stem}{made.suffix}" for made in formats)
 
 
-def _write(target: Path, content: bytes) -> None:
+def format_named(name: str) -> Format:
+    """The format of that name.
+
+    Raises:
+        Refused: There is none.
+    """
+    if name not in FORMATS:
+        raise Refused("report format", repr(name), "one of " + ", ".join(FORMATS), "choose one of them")
+    return FORMATS[name]
+
+
+def write_whole(target: Path, content: bytes) -> None:
     """Write a report whole; an older one of that name is replaced."""
     target.parent.mkdir(parents=True, exist_ok=True)
     working = target.with_name(f".{target.name}.part")
@@ -107,3 +136,7 @@ def _write(target: Path, content: bytes) -> None:
         working.replace(target)
     finally:
         working.unlink(missing_ok=True)
+
+
+def _rendered(format_name: str, paths: Sequence[Path]) -> bytes:
+    return FORMATS[format_name].render(build_report(paths))

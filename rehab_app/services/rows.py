@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from rehab_app.recording.recorder import RecordedTake
 from robot_iface.kinematics import HandGeometry
 from robot_iface.types import Plan
@@ -29,6 +31,8 @@ class TakeRow:
         parent: Id of the take that it was retouched from, "" if none.
         author: Who retouched it, "" if nobody.
         reason: Why.
+        subject: Pseudonym of the person whose hand it is, "" if unknown.
+        retouch: JSON of what was done to the parent, "" if nothing.
     """
 
     id: str
@@ -43,6 +47,8 @@ class TakeRow:
     parent: str = ""
     author: str = ""
     reason: str = ""
+    subject: str = ""
+    retouch: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +140,7 @@ class Replay:
         geometry: The recorded hand.
         side: Its side.
         reference_geometry: Hand on which the reference is drawn (the patient's own for a session).
+        repetitions_s: Start and end of every repetition, shape (R, 2), s.
     """
 
     t_s: Float64
@@ -145,3 +152,4 @@ class Replay:
     geometry: HandGeometry
     side: Side
     reference_geometry: HandGeometry | None = field(default=None)
+    repetitions_s: Float64 = field(default_factory=lambda: np.empty((0, 2)))

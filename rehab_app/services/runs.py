@@ -22,6 +22,7 @@ from robot_iface.link import MotionClient
 from robot_iface.runtime import Message
 from robot_iface.types import Certificate, RunEnd
 from sessions.catalogue import AssistanceMemory, Catalogue, PrescriptionRow, TherapySession
+from sessions.store import SessionReader
 
 Watch: TypeAlias = Callable[[Message | RunEnd], None]
 
@@ -72,6 +73,7 @@ class Runs:
             prepared.exercise,
             prepared.patient_id or "demonstration",
             device,
+            self._prescription_of(prepared.take_id),
         )
         client.start(prepared.plan, certificate)
         ends: list[RunEnd] = []
@@ -107,6 +109,13 @@ class Runs:
                 by=actor.name,
             )
         )
+
+    def _prescription_of(self, take_id: str) -> str:
+        """What the header of a take prescribes, such as the target of a computed grasp; mostly nothing."""
+        if not take_id:
+            return ""
+        with SessionReader(self._folder.root / self._catalogue.take(take_id).path) as reader:
+            return reader.header.prescription
 
     def _keep(
         self, result: PlayResult, prepared: PreparedPlan, utc_start_ns: int, actor: Account

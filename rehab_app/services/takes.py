@@ -69,7 +69,8 @@ class Takes:
 
     def list(self) -> tuple[TakeRow, ...]:
         """All takes, newest first."""
-        return tuple(self._row(take) for take in self._catalogue.takes())
+        approved = self._catalogue.approvals()
+        return tuple(self._row(take, approved) for take in self._catalogue.takes())
 
     def get(self, take: str | Path) -> TakeRow:
         """One take; a sealed take file that the clinic does not hold yet is copied into it.
@@ -82,8 +83,8 @@ class Takes:
         return self._row(self._entered(Path(take)))
 
     def exercises(self) -> tuple[str, ...]:
-        """Exercises that the virtual camera knows."""
-        return MOTIONS
+        """Exercises to record: those that the virtual camera shows as well, then the clinic's own."""
+        return (*MOTIONS, *(own.name for own in self._catalogue.exercises() if own.name not in MOTIONS))
 
     def cameras(self) -> tuple[CameraListing, ...]:
         """Cameras that can be recorded from; none is opened."""
@@ -278,8 +279,8 @@ class Takes:
         )
         return self._catalogue.add_take(take if lineage is None else replace(take, **asdict(lineage)))
 
-    def _row(self, take: Take) -> TakeRow:
-        approval = self._catalogue.approval(take.id)
+    def _row(self, take: Take, approved: dict[str, Approval] | None = None) -> TakeRow:
+        approval = self._catalogue.approval(take.id) if approved is None else approved.get(take.id)
         return TakeRow(
             id=take.id,
             path=self._folder.root / take.path,
@@ -293,4 +294,6 @@ class Takes:
             parent=take.parent,
             author=take.author,
             reason=take.reason,
+            subject=take.subject_id,
+            retouch=take.retouch,
         )

@@ -19,6 +19,7 @@ from rehab_app.services.runs import Runs, Watch
 from rehab_app.services.takes import Takes
 from rehab_app.services.wearer import binding
 from rehab_app.therapy.run import PlayResult
+from robot_iface.build import capabilities
 from robot_iface.link import MotionClient
 from robot_iface.types import Certificate
 from sessions.catalogue import Catalogue
@@ -212,7 +213,8 @@ class Therapy:
             met = f"for a {twin.side} hand of {100 * twin.hand_length_m:.1f} cm"
             bound = f"for the {patient.side} hand of {100 * patient.hand_length_m:.1f} cm on record"
             raise Refused(f"plan of {patient.id}", met, bound, again)
-        self._clinical.check_mode(patient.id, prepared.plan.prescription.mode)
+        if capabilities(prepared.plan.device).worn:  # a lock protects a hand inside the robot, nobody else
+            self._clinical.check_mode(patient.id, prepared.plan.prescription.mode)
         expires = prepared.plan.limits.expires_utc_ns
         if expires and self._clock_ns() >= expires:
             again = "measure them again with rehab-app limits measure"

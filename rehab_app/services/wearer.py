@@ -17,7 +17,7 @@ from rehab_app.services.order import Order
 from rehab_app.services.patient_limits import PatientLimits, TodaysLimits
 from rehab_app.services.robot_limits import own_limits
 from robot_iface.kinematics import HandGeometry, patient_hand
-from robot_iface.types import Capabilities, Limits, Mode, PatientTwin, Plan, Side
+from robot_iface.types import Capabilities, Limits, Mode, PatientTwin, Plan, Side, VirtualKind
 from sessions.catalogue import ClinicalRecord, Patient
 
 _SPASTIC_KINDS = ("mas1+", "mas2", "mas3")
@@ -115,7 +115,7 @@ class Wearers:
             twin,
             today.limits,
             cautions.skin_check_s,
-            (*told, *cautions.notes, *today.notes),
+            (*told, *cautions.notes, *today.notes, *(_other_hand(today, kind) if device.simulated else ())),
         )
 
     def _check_own_range(self, patient: Patient, record: ClinicalRecord | None, today: TodaysLimits) -> None:
@@ -148,7 +148,11 @@ class Wearers:
             twin = PatientTwin(kind, side)
         else:
             twin = PatientTwin(kind, patient.side, patient.hand_length_m)
-        note = f"The {device.name} is not worn: its own range and speed hold, not a patient's limits."
+        notes = [f"The {device.name} is not worn: its own range and speed hold, not a patient's limits."]
+        if order.mode != "passive":
+            notes.append(
+                "Nobody starts, helps or resists it: this shows the mode, it says nothing of a patient."
+            )
         return Wearer(
             "" if patient is None else patient.id,
             "" if patient is None else identity_of(patient),
@@ -156,8 +160,18 @@ class Wearers:
             twin,
             own_limits(device),
             0.0,
-            (note,),
+            tuple(notes),
         )
+
+
+def _other_hand(today: TodaysLimits, kind: VirtualKind) -> tuple[str, ...]:
+    """What to know where a simulated hand meets limits that were measured, maybe on another one."""
+    if not today.measured:
+        return ()
+    return (
+        f"Today's limits were measured, and a virtual patient rests where its tone leaves it: if the {kind} "
+        "one is refused as outside, give --virtual-patient as when they were measured, or measure again.",
+    )
 
 
 def identity_of(patient: Patient) -> str:

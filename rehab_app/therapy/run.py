@@ -9,18 +9,19 @@ What flows::
 from __future__ import annotations
 
 import uuid
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import msgspec
 
+from rehab_app.grasp.target_json import with_target
 from rehab_app.hand.subject import geometry_to_json
 from rehab_app.therapy.run_poses import run_hand
 from rehab_app.therapy.run_recorder import Message, RunRecorder
 from rehab_app.therapy.run_result import PlayResult, result_of
 from robot_iface.errors import Refused
 from robot_iface.kinematics import HandGeometry
-from robot_iface.types import Capabilities, Certificate, Plan, RunEnd
+from robot_iface.types import Capabilities, Certificate, Limits, Plan, RunEnd
 from sessions.records import SessionHeader
 from sessions.store import SessionWriter
 from sessions.timebase import Timebase
@@ -35,6 +36,7 @@ def session_header(
     exercise: str,
     subject_id: str,
     device: Capabilities,
+    take_prescription: str = "",
 ) -> SessionHeader:
     """Header of a therapy session.
 
@@ -48,6 +50,7 @@ def session_header(
         exercise: Exercise name; empty for that of a guided sweep.
         subject_id: Pseudonym.
         device: What plays it.
+        take_prescription: That of the take's header: a computed grasp names its target there.
     """
     now = Timebase.now()
     return SessionHeader(
@@ -62,11 +65,26 @@ def session_header(
         monotonic_start_ns=0 if device.simulated else now.monotonic_start_ns,
         robot_joints=plan.joint_names,
         subject_hand=geometry_to_json(geometry),
-        limits=_json(plan.limits),
-        prescription=_json(plan.prescription),
+        limits=limits_of_header(plan.limits, device),
+        prescription=with_target(_json(plan.prescription), take_prescription),
         certificate=_json(certificate),
         parents=() if plan.path is None else (plan.path.take_digest,),
     )
+
+
+def limits_of_header(limits: Limits, device: Capabilities) -> str:
+    """The limits that held and the device's own range beside them, as JSON.
+
+    A joint that was moved to ``device_min_rad`` or ``device_max_rad`` met the end of the device, not that of
+    the patient: whoever reads the file can say so (hazard 15) without knowing the device.
+
+    Args:
+        limits: What held.
+        device: What played it.
+    """
+    held: dict[str, object] = msgspec.json.decode(_json(limits))
+    own = {"device_min_rad": device.q_min_rad.tolist(), "device_max_rad": device.q_max_rad.tolist()}
+    return _json({**held, **own})
 
 
 def source_of(plan: Plan, device: Capabilities) -> str:
@@ -82,7 +100,7 @@ def source_of(plan: Plan, device: Capabilities) -> str:
 def _untitled(plan: Plan) -> str:
     if plan.sweep is None:
         return ""
-    return "fit check" if plan.sweep.kind == "fit" else "range sweep"
+    return {"fit": "fit check", "tone": "tone test"}.get(plan.sweep.kind, "range sweep")
 
 
 def record_run(
@@ -115,20 +133,35 @@ def record_run(
         recorder = RunRecorder(
             writer.write, hand, plan.joint_names, plan.prescription.mode, follows=plan.path is not None
         )
-        for message in messages:
+        for message in _until_lost(messages, writer.partial):
             if isinstance(message, RunEnd):
                 end = message
                 break
             recorder.take(message)
         if end is None:
-            raise Refused(
-                "motion process",
-                "gone before the run ended",
-                "running to its end",
-                "recover the session file and play again",
-            )
+            raise Refused("motion process", "gone before the run ended", *_restore(writer.partial))
         sealed = writer.seal()
-    return result_of(sealed, plan.prescription.mode, end)
+    return result_of(sealed, plan.prescription.mode, end, worn=device.worn)
+
+
+def _until_lost(messages: Iterable[Message | RunEnd], partial: Path) -> Iterator[Message | RunEnd]:
+    """The messages; where the motion process is lost among them, the refusal says how to get the file back.
+
+    Raises:
+        Refused: The motion process failed.
+    """
+    try:
+        yield from messages
+    except Refused as lost:
+        raise Refused(lost.thing, lost.value, *_restore(partial)) from lost
+
+
+def _restore(partial: Path) -> tuple[str, str]:
+    """What should have been, and what to do about a session file that was not sealed."""
+    return (
+        "running to the end of the run",
+        f"look at the patient, get what was recorded back with rehab-app recover {partial}, then play again",
+    )
 
 
 def _json(value: object) -> str:

@@ -46,6 +46,7 @@ Write: TypeAlias = Callable[[Topic, object], None]
 
 POSE_PERIOD_NS = 10_000_000  # 100 Hz
 TRANSFORM_PERIOD_NS = 34_000_000  # at most 30 Hz
+_UNAIDED = ("transparent", "resistive")  # here the robot neither starts nor helps
 
 
 class RunRecorder:
@@ -132,6 +133,7 @@ class RunRecorder:
         )
 
     def _phase(self, phase: PhaseChange) -> None:
+        unaided = self._mode in _UNAIDED
         self._write(
             PHASE,
             TherapyPhase(
@@ -139,10 +141,10 @@ class RunRecorder:
                 repetition=phase.repetition,
                 phase=phase.phase,
                 mode=self._mode,
-                started_by=phase.started_by,
+                started_by="" if unaided and phase.started_by == "robot" else phase.started_by,
                 path_s=phase.path_s,
                 path_speed=phase.path_speed,
-                assistance=by_digit(phase.stiffness_multiple, self._digit),
+                assistance=np.full(5, np.nan) if unaided else by_digit(phase.stiffness_multiple, self._digit),
             ),
         )
 

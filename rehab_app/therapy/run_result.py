@@ -93,13 +93,14 @@ class PlayResult:
     scheduling: str = ""
 
 
-def result_of(sealed: SealedSession, mode: str, end: RunEnd) -> PlayResult:
+def result_of(sealed: SealedSession, mode: str, end: RunEnd, *, worn: bool = True) -> PlayResult:
     """Measure a sealed session; the formulas are those of its report.
 
     Args:
         sealed: The session file.
         mode: Therapy mode.
         end: How the run ended.
+        worn: Whether a patient's hand is in the device; nobody shares the work of one that is not worn.
     """
     try:
         summary = measure_file(sealed.path)
@@ -110,7 +111,7 @@ def result_of(sealed: SealedSession, mode: str, end: RunEnd) -> PlayResult:
         path=sealed.path,
         sha256=sealed.sha256,
         mode=mode,
-        repetitions=() if summary is None else _repetitions(summary),
+        repetitions=() if summary is None else _repetitions(summary, worn=worn),
         rmse_rad=_whole(summary, "joint_rmse"),
         fingertip_rmse_m=_whole(summary, "fingertip_rmse"),
         stops=_stops(sealed.path),
@@ -127,7 +128,7 @@ def result_of(sealed: SealedSession, mode: str, end: RunEnd) -> PlayResult:
     )
 
 
-def _repetitions(summary: Summary) -> tuple[RepetitionResult, ...]:
+def _repetitions(summary: Summary, *, worn: bool) -> tuple[RepetitionResult, ...]:
     return tuple(
         RepetitionResult(
             index=item.index,
@@ -135,7 +136,7 @@ def _repetitions(summary: Summary) -> tuple[RepetitionResult, ...]:
             rmse_rad=_known(item.rmse_rad),
             fingertip_rmse_m=_known(item.fingertip_rmse_m),
             assistance=tuple(_known(value) for value in item.assistance),
-            robot_share=_known(item.robot_share),
+            robot_share=_known(item.robot_share) if worn else None,
         )
         for item in summary.repetitions
     )

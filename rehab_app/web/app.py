@@ -23,15 +23,33 @@ from rehab_app.config import ClinicFolder
 from rehab_app.errors import Refused
 from rehab_app.services.clinic import Clinic
 from rehab_app.web import stop
+from rehab_app.web.access_routes import access_routes
 from rehab_app.web.gateway import picture, wire
 from rehab_app.web.gateway.client_page import ClientPages
 from rehab_app.web.guard import Guard, own_names
-from rehab_app.web.pages import entry, languages, live, live_run, marker_names, patients, recordings
+from rehab_app.web.language import _
+from rehab_app.web.library_routes import library_routes
+from rehab_app.web.pages import (
+    backup,
+    entry,
+    languages,
+    live,
+    live_run,
+    marker_names,
+    next_step,
+    patient_data,
+    recordings,
+    reports,
+    runner,
+)
+from rehab_app.web.patient_routes import patient_routes
+from rehab_app.web.presence import present
 from rehab_app.web.remember import Remembered
 from rehab_app.web.render import page_templates, render
 from rehab_app.web.signing import Seal, clinic_key
 from rehab_app.web.site import Site, Viewports
-from rehab_app.web.visit import Visit, account_of, action, page, ticket_of
+from rehab_app.web.viewport import PAIRED
+from rehab_app.web.visit import Visit, action, page
 
 _TRIES = 20
 _TRIES_WINDOW_S = 60.0
@@ -58,7 +76,8 @@ def create_app(
     )
 
     @asynccontextmanager
-    async def lifespan(_: Starlette) -> AsyncGenerator[None]:
+    async def lifespan(app: Starlette) -> AsyncGenerator[None]:
+        del app
         warm = asyncio.create_task(_warm(site))
         yield
         await warm
@@ -81,7 +100,17 @@ async def _warm(site: Site) -> None:
 
 
 def _routes() -> list[BaseRoute]:
-    return [*_entry_routes(), *_live_routes(), *_record_routes(), *_gateway_routes()]
+    return [
+        *_entry_routes(),
+        *access_routes(),
+        *_live_routes(),
+        *patient_routes(),
+        *_privacy_routes(),
+        *library_routes(),
+        *_record_routes(),
+        *_progress_routes(),
+        *_gateway_routes(),
+    ]
 
 
 def _entry_routes() -> list[BaseRoute]:
@@ -115,27 +144,47 @@ def _live_routes() -> list[BaseRoute]:
         does("play", live_run.play, "play"),
         does("measure", live_run.measure, "play"),
         does("fit", live_run.fit, "play"),
-        does("pause", live_run.pause, "play"),
+        does("pause", live_run.pause, "stop"),
         does("resume", live_run.resume, "play"),
         does("reverse", live_run.reverse, "play"),
         does("next", live_run.advance, "play"),
-        does("speed", live_run.speed, "play"),
+        does("speed", live_run.speed, "stop"),
         does("target", live.target, "play"),
-        does("pain", live.pain, "stop"),
+        does("pain", runner.pain, "stop"),
+        does("operate", runner.operate, "play"),
+        does("session/begin", runner.begin, "play"),
+        does("session/step", runner.step, "play"),
+        does("session/check-in", runner.check_in, "note"),
+        does("session/start", runner.start, "play"),
+        does("session/end", runner.end, "note"),
+        Route("/live/session/choices", page(runner.choices), methods=["GET"]),
+        Route("/live/session/note", page(runner.note, "note"), methods=["GET"]),
+    ]
+
+
+def _privacy_routes() -> list[BaseRoute]:
+    def does(path: str, answer: Callable[[Visit], Response], verb: Verb, back: str) -> BaseRoute:
+        return Route(path, action(answer, verb, back), methods=["POST"])
+
+    home, one = backup.PAGE, "/patients/{patient}/data"
+    return [
+        Route(home, page(backup.backup, "backup"), methods=["GET"]),
+        does(home + "/passphrase", backup.set_passphrase, "backup", home),
+        does(home + "/place", backup.set_place, "backup", home),
+        does(home + "/make", backup.make, "backup", home),
+        does(home + "/restore", backup.restore, "backup", home),
+        does(home + "/retention", backup.set_retention, "erase", home),
+        Route(home + "/file/{name}", page(backup.download, "backup"), methods=["GET"]),
+        Route(one, page(patient_data.data), methods=["GET"]),
+        does(one + "/consent", patient_data.state_consent, "note", "/patients"),
+        does(one + "/images", patient_data.remove_images, "erase", "/patients"),
+        does(one + "/export", patient_data.export, "export", "/patients"),
+        does(one + "/erase", patient_data.erase, "erase", "/patients"),
     ]
 
 
 def _record_routes() -> list[BaseRoute]:
     routes: list[BaseRoute] = [
-        Route("/patients", page(patients.patients), methods=["GET"]),
-        Route("/patients", action(patients.add_patient, "prescribe", "/patients"), methods=["POST"]),
-        Route("/patients/new", page(patients.new_patient, "prescribe"), methods=["GET"]),
-        Route("/patients/{patient}", page(patients.patient), methods=["GET"]),
-        Route("/takes", page(recordings.takes), methods=["GET"]),
-        Route("/takes/{recording}", page(recordings.take), methods=["GET"]),
-        Route(
-            "/takes/{recording}/approve", action(recordings.approve, "approve", "/takes"), methods=["POST"]
-        ),
         Route("/takes/{recording}/names", page(marker_names.names, "record"), methods=["GET"]),
         Route(
             "/takes/{recording}/names", action(marker_names.track_again, "record", "/takes"), methods=["POST"]
@@ -149,8 +198,23 @@ def _record_routes() -> list[BaseRoute]:
             Route(f"/{kind}/{{recording}}/report", page(recordings.report), methods=["GET"]),
             Route(f"/{kind}/{{recording}}/report.html", page(recordings.report_html), methods=["GET"]),
             Route(f"/{kind}/{{recording}}/report.json", page(recordings.report_json), methods=["GET"]),
+            Route(f"/{kind}/{{recording}}/report.{{format}}", page(reports.download), methods=["GET"]),
         ]
     return routes
+
+
+def _progress_routes() -> list[BaseRoute]:
+    return [
+        Route("/patients/{patient}/progress", page(reports.progress), methods=["GET"]),
+        Route("/patients/{patient}/progress.{format}", page(reports.progress_file), methods=["GET"]),
+        Route("/patients/{patient}/compare", page(reports.compare), methods=["GET"]),
+        Route("/patients/{patient}/compare.{format}", page(reports.compare_file), methods=["GET"]),
+        Route("/patients/{patient}/next", page(next_step.next_step), methods=["GET"]),
+        Route(
+            "/patients/{patient}/next", action(next_step.answer, "prescribe", "/patients"), methods=["POST"]
+        ),
+        Route("/patients/{patient}/aim", action(next_step.aim, "prescribe", "/patients"), methods=["POST"]),
+    ]
 
 
 def _gateway_routes() -> list[BaseRoute]:
@@ -166,12 +230,14 @@ def _gateway_routes() -> list[BaseRoute]:
     ]
 
 
-def _live_port(site: Site, _: str) -> int:
+def _live_port(site: Site, recording: str) -> int:
+    del recording
     return site.viewports.live_port()
 
 
 def _review_port(site: Site, recording: str) -> int:
-    return site.viewports.review_port(recordings.catalogue_id(recording))
+    named = [recordings.catalogue_id(one) for one in recording.split(PAIRED, 1)]
+    return site.viewports.review_port(PAIRED.join(named))
 
 
 def _real_viewports(clinic: Clinic) -> Viewports:
@@ -180,20 +246,22 @@ def _real_viewports(clinic: Clinic) -> Viewports:
     return Screens(clinic)
 
 
-def _not_found(request: Request, _: Exception) -> Response:
+def _not_found(request: Request, problem: Exception) -> Response:
     """A page like every other, with the stop on it."""
+    del problem
     site: Site = request.app.state.site
-    ticket = ticket_of(site, request)
-    sentence = f"There is no page {request.url.path}: go back to the start."
-    visitor = account_of(site, ticket)
+    there = present(site, request)
+    visitor, ticket = (None, None) if there is None or there.locked else (there.account, there.ticket)
+    sentence = _("There is no page %(path)s: go back to the start.") % {"path": request.url.path}
     return render(
         site, request, "refused.html.j2", visitor=visitor, ticket=ticket, status=404, sentence=sentence
     )
 
 
-def _failed(request: Request, _: Exception) -> Response:
+def _failed(request: Request, problem: Exception) -> Response:
     """The same for what went wrong here; it asks no data base, which may be what failed."""
-    sentence = "This page failed; the server's log says why. The stop still works."
+    del problem
+    sentence = _("This page failed; the server's log says why. The stop still works.")
     return render(request.app.state.site, request, "refused.html.j2", status=500, sentence=sentence)
 
 

@@ -12,7 +12,7 @@ from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from rehab_app.web.language import asked_for, speak
-from rehab_app.web.policy import ALWAYS, DEFAULTS
+from rehab_app.web.policy import ALWAYS, DEFAULTS, TRANSPORT
 
 LARGEST_BODY = 64 * 1024
 STOP_PATH = "/stop"
@@ -44,7 +44,7 @@ class Guard:
 
         async def with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                _add_headers(MutableHeaders(scope=message))
+                _add_headers(MutableHeaders(scope=message), encrypted=scope["scheme"] == "https")
             await send(message)
 
         answer: ASGIApp = PlainTextResponse(why, status) if why else self._app
@@ -69,7 +69,7 @@ class Guard:
         origin = headers.get("origin")
         # A stop without an Origin (a foot switch, a script) is let through: it can only make things safer.
         absent_is_fine = scope["type"] == "http" and scope["path"] == STOP_PATH
-        same = urlsplit(origin).netloc.casefold() == host.casefold() if origin else absent_is_fine
+        same = _same_site(origin, host, scope["scheme"]) if origin else absent_is_fine
         if not same:
             return 403, "This request came from another site and was refused."
         if scope["type"] == "http" and _too_large(headers):
@@ -98,6 +98,12 @@ def known_host(header: str, names: frozenset[str]) -> bool:
     return True
 
 
+def _same_site(origin: str, host: str, scheme: str) -> bool:
+    """Whether an Origin is this server, by the same name, port and scheme (a websocket's page is of HTTP)."""
+    sent = urlsplit(origin)
+    return (sent.scheme, sent.netloc.casefold()) == (scheme.replace("ws", "http", 1), host.casefold())
+
+
 def _too_large(headers: Headers) -> bool:
     length = headers.get("content-length", "")
     if "transfer-encoding" in headers:
@@ -105,8 +111,10 @@ def _too_large(headers: Headers) -> bool:
     return bool(length) and (not length.isdecimal() or int(length) > LARGEST_BODY)
 
 
-def _add_headers(headers: MutableHeaders) -> None:
+def _add_headers(headers: MutableHeaders, *, encrypted: bool) -> None:
     for name, value in DEFAULTS.items():
         headers.setdefault(name, value)
     for name, value in ALWAYS.items():
         headers[name] = value
+    if encrypted:
+        headers.setdefault(*TRANSPORT)

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import secrets
 from typing import Any
 
 import numpy as np
 
 from rehab_app.errors import Refused
+from rehab_app.services.live_interrupted import Restored
 from rehab_app.services.live_target import way_of
 from rehab_app.services.snapshot import BUSY, LiveSnapshot
-from rehab_app.web.render import day
+from rehab_app.web.language import _
+from rehab_app.web.render import day, moment
+from rehab_app.web.runner_state import course_state
 from rehab_app.web.site import Site
 from rehab_app.web.words import ASKED, MODES, NEXT, PHASES, ROBOTS, RUNS, STATES
+
+_SERVER = secrets.token_hex(4)
+"""Names this process: a page that sees another name has outlived a restart and asks for its picture anew."""
 
 
 def live_state(site: Site, page: str) -> dict[str, Any]:
@@ -52,7 +59,30 @@ def live_state(site: Site, page: str) -> dict[str, Any]:
         "error_mm": _error_mm(now),
         "target": _target(now),
         "operator": site.operator.is_(page),
+        "operator_words": _("This page") if site.operator.is_(page) else site.operator.name or _("Nobody"),
+        "session_course": _course(site),
+        "server": _SERVER,
+        "interrupted": [_restored(one) for one in site.clinic.interrupted.found],
     }
+
+
+def _restored(one: Restored) -> dict[str, str]:
+    """A recording that an ended server left unsealed, in words, and where it is."""
+    if one.trouble:
+        return {"words": one.trouble, "path": ""}
+    words = _("The take of %(when)s was interrupted and is restored.")
+    if one.kind == "sessions":
+        words = _("The session of %(when)s was interrupted and is restored.")
+    return {"words": words % {"when": moment(one.began_utc_ns)}, "path": f"/{one.kind}/{one.id}"}
+
+
+def _course(site: Site) -> dict[str, Any] | None:
+    """Where the session stands, and whom it is with."""
+    course = site.clinic.runner.course
+    told = course_state(course)
+    if course is None or told is None:
+        return None
+    return told | {"who": _identity(site, course.patient), "done": site.clinic.runner.done()}
 
 
 def _going(now: LiveSnapshot) -> str:
@@ -130,10 +160,14 @@ def _error_mm(now: LiveSnapshot) -> float | None:
 
 def _patient(site: Site, now: LiveSnapshot) -> dict[str, str] | None:
     """Name, birth date and side: the two identifiers and the hand that the screen must show."""
-    if not now.patient_id:
+    return _identity(site, now.patient_id)
+
+
+def _identity(site: Site, patient: str) -> dict[str, str] | None:
+    if not patient:
         return None
     try:
-        known = site.patients.get(now.patient_id)
+        known = site.patients.get(patient)
     except Refused:
         return None
     return {

@@ -21,6 +21,8 @@ ALWAYS = {
     "cross-origin-resource-policy": "same-origin",
     "permissions-policy": "camera=(), microphone=(), geolocation=(), usb=(), serial=()",
 }
+# Sent over TLS only: for a month, browsers do not ask this name over plain HTTP again.
+TRANSPORT = ("strict-transport-security", "max-age=2592000")
 DEFAULTS = {"content-security-policy": SHELL, "x-frame-options": "DENY", "cache-control": "no-store"}
 
 

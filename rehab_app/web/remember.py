@@ -34,3 +34,7 @@ class Remembered(Generic[T]):
             self._known.clear()
         self._known[key] = (now_s, found)
         return found
+
+    def forget(self, key: str) -> None:
+        """Ask again next time."""
+        self._known.pop(key, None)

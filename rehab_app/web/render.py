@@ -11,11 +11,12 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, Response
 
-from rehab_app.access import Account
+from rehab_app.access import Account, Role
 from rehab_app.web import language
 from rehab_app.web.language import LANGUAGES, _, spoken
 from rehab_app.web.signing import Ticket
 from rehab_app.web.words import EXERCISES, MODES
+from rehab_app.web.words_access import ROLE_WORDS
 
 if TYPE_CHECKING:
     from rehab_app.web.site import Site
@@ -35,12 +36,30 @@ def page_templates() -> Environment:
     )
     translating: Any = environment  # the extension adds its methods without types
     translating.install_gettext_callables(_, language.ngettext, newstyle=True)
+    # The extension's own functions call every text safe, also one that a person typed: ours leave it escaped.
+    known: Any = environment.globals
+    known.update({"_": _text, "gettext": _text, "ngettext": _counted})
     environment.filters["day"] = day
     environment.filters["moment"] = moment
     environment.filters["instant"] = instant
     environment.filters["exercise"] = exercise
     environment.filters["mode"] = mode
+    environment.filters["role"] = role
     return environment
+
+
+def _text(text: str, /, **values: object) -> str:
+    """A text of a page in the language of the request; %(name)s stands for values, %% for a percent sign."""
+    return _filled(_(str(text)), values)
+
+
+def _counted(one: str, many: str, count: int, /, **values: object) -> str:
+    """A text that depends on a number, which it may name as %(num)s."""
+    return _filled(language.ngettext(one, many, count), {"num": count, **values})
+
+
+def _filled(text: str, values: dict[str, object]) -> str:
+    return text % values if values else text.replace("%%", "%")
 
 
 def render(
@@ -70,6 +89,7 @@ def render(
         form_token="" if ticket is None else site.seal.form_token(ticket),
         stopped=bool(site.clinic.live.snapshot().stop_source),
         path=request.url.path,
+        idle_s=0 if visitor is None or visitor.role == "patient" else site.clinic.accounts.sign_ins.idle_s(),
         notice=notice,
         version=site.clinic.version,
         language=spoken(),
@@ -78,13 +98,19 @@ def render(
     )
     answer = HTMLResponse(html, status)
     if notice is not None:
-        answer.delete_cookie("rehab_notice", httponly=True, samesite="strict")
+        secure = request.url.scheme == "https"
+        answer.delete_cookie("rehab_notice", httponly=True, samesite="strict", secure=secure)
     return answer
 
 
 def exercise(name: str) -> str:
     """An exercise in words."""
     return _(EXERCISES.get(name, name.replace("_", " ")))
+
+
+def role(name: Role) -> str:
+    """A role in words."""
+    return _(ROLE_WORDS[name])
 
 
 def mode(name: str) -> str:

@@ -6,6 +6,7 @@ import contextlib
 import errno
 import socket
 import sys
+import threading
 from collections.abc import Callable
 
 import uvicorn
@@ -15,6 +16,7 @@ from rehab_app.errors import Refused
 from rehab_app.services.clinic import Clinic
 from rehab_app.web.app import create_app
 from rehab_app.web.gateway.wire import BUFFER_BYTES
+from rehab_app.web.tls import TlsFiles
 
 _BACKLOG = 128
 _SWITCH_S = 0.0005
@@ -25,6 +27,7 @@ def serve(
     host: str = "127.0.0.1",
     port: int = 8080,
     ready: Callable[[], None] | None = None,
+    tls: TlsFiles | None = None,
 ) -> None:
     """Open the clinic to browsers until the process is interrupted.
 
@@ -33,6 +36,7 @@ def serve(
         host: Address to listen on.
         port: Port to listen on.
         ready: Called once pages are served.
+        tls: Certificate and key, None for plain HTTP.
 
     Raises:
         Refused: The port is in use or the address is not of this machine.
@@ -40,7 +44,8 @@ def serve(
     line = listen(host, port)
     # Whatever is rendered or drawn hands the interpreter over sooner to the stop and the heartbeat.
     sys.setswitchinterval(_SWITCH_S)
-    server = ShellServer(create_app(clinic, host), ready)
+    threading.Thread(target=clinic.interrupted.restore, name="restore", daemon=True).start()
+    server = ShellServer(create_app(clinic, host), ready, tls)
     with contextlib.suppress(KeyboardInterrupt):
         server.run(sockets=[line])
 
@@ -51,9 +56,12 @@ class ShellServer(uvicorn.Server):
     Args:
         app: The application.
         ready: Called once pages are served.
+        tls: Certificate and key, None for plain HTTP.
     """
 
-    def __init__(self, app: Starlette, ready: Callable[[], None] | None = None) -> None:
+    def __init__(
+        self, app: Starlette, ready: Callable[[], None] | None = None, tls: TlsFiles | None = None
+    ) -> None:
         super().__init__(
             uvicorn.Config(
                 app,
@@ -63,6 +71,8 @@ class ShellServer(uvicorn.Server):
                 ws="websockets-sansio",
                 ws_max_size=BUFFER_BYTES,
                 timeout_graceful_shutdown=2,
+                ssl_certfile=None if tls is None else tls.certificate,
+                ssl_keyfile=None if tls is None else tls.key,
             )
         )
         self._ready = ready

@@ -10,6 +10,7 @@ from jinja2 import Environment
 
 from rehab_app.access import Account, RateLimit
 from rehab_app.services.clinic import Clinic
+from rehab_app.web.kept_forms import KeptForms
 from rehab_app.web.remember import Remembered
 from rehab_app.web.signing import Seal
 from sessions.catalogue import Patient
@@ -40,10 +41,11 @@ class Operator:
 
     def __init__(self) -> None:
         self._page = ""
+        self.name = ""
 
-    def take_over(self, page: str) -> None:
-        """Make this page the operator's."""
-        self._page = page
+    def take_over(self, page: str, name: str = "") -> None:
+        """Make this page the operator's; ``name`` is who sits before it."""
+        self._page, self.name = page, name
 
     def is_(self, page: str) -> bool:
         """Whether this page is the operator's."""
@@ -62,6 +64,7 @@ class Site:
         sign_in_limit: Brake on guessing, by network address.
         accounts: Active accounts by name, remembered for 2 s.
         patients: Patients by pseudonym, remembered for 10 s.
+        kept_forms: What was sent without a sign-in that holds, until its sender has signed in again.
         operator: Whose silence holds the motion.
         signing_in: Password checks at a time are few: each takes 64 MB for a moment.
     """
@@ -73,5 +76,15 @@ class Site:
     sign_in_limit: RateLimit
     accounts: Remembered[Account]
     patients: Remembered[Patient]
+    kept_forms: KeptForms = field(default_factory=KeptForms)
     operator: Operator = field(default_factory=Operator)
     signing_in: threading.Semaphore = field(default_factory=lambda: threading.Semaphore(2))
+
+    def begin(self, name: str) -> str:
+        """Cookie text of a new sign-in that the server remembers."""
+        cookie = self.seal.issue(name)
+        ticket = self.seal.read_old(cookie)
+        if ticket is not None:
+            self.clinic.accounts.sign_ins.begin(name, ticket.digest)
+        self.accounts.forget(name)  # the role may be another one since the last sign-in
+        return cookie

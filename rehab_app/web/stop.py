@@ -5,8 +5,9 @@ from __future__ import annotations
 from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
 
+from rehab_app.web.presence import ticket_of
 from rehab_app.web.site import Site
-from rehab_app.web.visit import Visit, ticket_of, wants_json
+from rehab_app.web.visit import Visit, wants_json
 
 CONFIRMED = "looked"
 

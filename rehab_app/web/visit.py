@@ -5,20 +5,29 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
-from urllib.parse import quote
+from urllib.parse import quote, urlsplit
 
 from starlette.concurrency import run_in_threadpool
-from starlette.requests import HTTPConnection, Request
+from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
 
 from rehab_app.access import Account, Verb
 from rehab_app.errors import REFUSALS, Refused, RobotRefused
+from rehab_app.web.language import _
+from rehab_app.web.presence import COOKIE, Present, give_cookie, present
 from rehab_app.web.render import render
-from rehab_app.web.signing import LIFETIME_S, Ticket
+from rehab_app.web.signing import Ticket
 from rehab_app.web.site import Site
 
-COOKIE = "rehab_sign_in"
 NOTICE = "rehab_notice"
+KEPT = "rehab_kept"
+_KEPT_S = 1800
+# The heartbeat is nobody's doing: it neither keeps a page from being covered nor ends with it.
+QUIET = frozenset(("/live/beat",))
+LOCKED = 423
+_SUBJECTS = ("patient", "recording")
+_LISTS = frozenset(("/patients", "/takes", "/sessions"))
+_LONGEST_PATH, _LONGEST_SUBJECT = 120, 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +85,7 @@ class Visit:
         return answer
 
     def _keep_notice(self, answer: Response, notice: str, good: bool) -> None:
-        kept = self.site.seal.notice(notice, good)
-        answer.set_cookie(NOTICE, kept, max_age=60, httponly=True, samesite="strict")
+        give_cookie(answer, NOTICE, self.site.seal.notice(notice, good), 60, self.request)
 
 
 Endpoint: TypeAlias = Callable[[Request], Awaitable[Response]]
@@ -114,31 +122,9 @@ def action(answer: Answer, verb: Verb, back: str) -> Endpoint:
     return endpoint
 
 
-def ticket_of(site: Site, connection: HTTPConnection) -> Ticket | None:
-    """The sign-in that a request carries; asks no data base."""
-    return site.seal.read(connection.cookies.get(COOKIE))
-
-
-def account_of(site: Site, ticket: Ticket | None) -> Account | None:
-    """The account of a ticket, None where nobody is signed in."""
-    if ticket is None:
-        return None
-    try:
-        return site.accounts.get(ticket.name)
-    except Refused:
-        return None
-
-
 def wants_json(request: Request) -> bool:
     """Whether a script asks rather than a browser that shows pages."""
     return "application/json" in request.headers.get("accept", "")
-
-
-def sign_in_cookie(site: Site, answer: Response, name: str, secure: bool) -> None:
-    """Give a browser its sign-in."""
-    answer.set_cookie(
-        COOKIE, site.seal.issue(name), max_age=LIFETIME_S, httponly=True, samesite="strict", secure=secure
-    )
 
 
 async def form_of(request: Request) -> dict[str, str]:
@@ -149,48 +135,91 @@ async def form_of(request: Request) -> dict[str, str]:
 
 def _looked_at(request: Request, answer: Answer, verb: Verb) -> Response:
     site: Site = request.app.state.site
-    ticket = ticket_of(site, request)
-    account = account_of(site, ticket)
-    if ticket is None or account is None:
-        return _not_signed_in(request)
-    visit = Visit(site, request, account, ticket, {})
+    there = _there(site, request)
+    if isinstance(there, Response):
+        return there
+    visit = Visit(site, request, there.account, there.ticket, {})
     try:
-        site.clinic.accounts.require(account, verb)
+        site.clinic.accounts.require(there.account, verb)
     except Refused as refusal:
+        _note_refused(visit)
         return _refused_page(visit, refusal, 403)
     try:
-        return answer(visit)
+        shown = answer(visit)
     except REFUSALS as refusal:
         return _refused_page(visit, refusal, 404)
+    _note_view(visit, shown)
+    return shown
 
 
 def _acted_on(request: Request, form: Mapping[str, str], answer: Answer, verb: Verb, back: str) -> Response:
     site: Site = request.app.state.site
-    ticket = ticket_of(site, request)
-    account = account_of(site, ticket)
-    if ticket is None or account is None:
-        return _not_signed_in(request)
+    there = _there(site, request, form)
+    if isinstance(there, Response):
+        return there
     token = request.headers.get("x-form-token", "") or form.get("form_token", "")
-    visit = Visit(site, request, account, ticket, form)
-    if not site.seal.form_token_fits(ticket, token):
-        return _refusal(visit, "The form is not of this sign-in: load the page again.", 403, back)
+    visit = Visit(site, request, there.account, there.ticket, form)
+    if not site.seal.form_token_fits(there.ticket, token):
+        _note_refused(visit)
+        return _refusal(visit, _("The form is not of this sign-in: load the page again."), 403, back)
     try:
-        site.clinic.accounts.require(account, verb)
+        site.clinic.accounts.require(there.account, verb)
     except Refused as refusal:
+        _note_refused(visit)
         return _refusal(visit, _sentence(refusal), 403, back)
+    site.kept_forms.drop(request.cookies.get(KEPT, ""))
     try:
         return answer(visit)
     except REFUSALS as refusal:
         return _refusal(visit, _sentence(refusal), 409, back)
 
 
-def _not_signed_in(request: Request) -> Response:
+def _there(site: Site, request: Request, form: Mapping[str, str] | None = None) -> Present | Response:
+    """Who asks, or the answer to somebody who is not signed in or whose sign-in is locked."""
+    there, quiet = present(site, request), request.url.path in QUIET
+    if there is None or (there.locked and not quiet):
+        return _not_signed_in(site, request, form or {}, locked=there is not None)
+    if not quiet:
+        site.clinic.accounts.sign_ins.touch(there.ticket.digest)
+    return there
+
+
+def _not_signed_in(site: Site, request: Request, form: Mapping[str, str], *, locked: bool) -> Response:
     if wants_json(request):
-        return JSONResponse({"message": "Nobody is signed in, or the sign-in has expired."}, 401)
+        if locked:
+            return JSONResponse({"message": _("This page is locked: give your password again.")}, LOCKED)
+        return JSONResponse({"message": _("Nobody is signed in, or the sign-in has expired.")}, 401)
     wanted = request.url.path if request.method == "GET" else "/"
     if request.method == "GET" and request.url.query:
         wanted += f"?{request.url.query}"
-    return RedirectResponse(f"/sign-in?next={quote(wanted, safe='')}", 303)
+    key = _kept(site, request, form)
+    answer = RedirectResponse(f"/sign-in?next={quote('/kept' if key else wanted, safe='')}", 303)
+    if key:
+        give_cookie(answer, KEPT, key, _KEPT_S, request)
+    return answer
+
+
+def _kept(site: Site, request: Request, form: Mapping[str, str]) -> str:
+    """Keep what was typed for whoever sat here; "" where there was nothing, or nobody knows who that was."""
+    owner = site.seal.read_old(request.cookies.get(COOKIE))
+    if owner is None or not form:
+        return ""
+    came_from = urlsplit(request.headers.get("referer", "")).path
+    return site.kept_forms.keep(owner.name, request.url.path, came_from, form)
+
+
+def _note_refused(visit: Visit) -> None:
+    path = visit.request.url.path[:_LONGEST_PATH]
+    visit.site.clinic.audit.note_later(visit.account.name, "refused", path, visit.request.method)
+
+
+def _note_view(visit: Visit, shown: Response) -> None:
+    """A row for whoever saw somebody's data: a patient, a recording, a report, the list of patients."""
+    path, parts = visit.request.url.path, visit.request.path_params
+    subject = next((str(parts[name]) for name in _SUBJECTS if name in parts), "")
+    picture = path.endswith((".jpg", ".svg"))
+    if shown.status_code < 400 and not picture and (subject or path in _LISTS):
+        visit.site.clinic.audit.note_view(visit.account, subject[:_LONGEST_SUBJECT], path[:_LONGEST_PATH])
 
 
 def _refusal(visit: Visit, sentence: str, status: int, back: str) -> Response:

@@ -52,6 +52,8 @@ PHASES = {
     "hook": "Hook fist",
     "fist": "Full fist",
     "check": "Joint by joint",
+    "fold": "Bending to the start",
+    "stretch": "Stretch at one speed",
     "rest-proposed": "Rest of a minute",
     "skin-check": "Look at the skin",
 }

@@ -12,7 +12,7 @@ import msgspec
 import numpy as np
 
 from robot_iface.errors import Refused
-from robot_iface.types import JOINTS, Capabilities
+from robot_iface.types import JOINTS, THESIS_INERTIA_KG_M2, Capabilities
 
 FOLDER_VARIABLE = "REHAB_DEVICES"
 PREFIX = "ros2:"
@@ -30,7 +30,8 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     ``second`` and ``torque`` name further rows of the joint state: a redundant position sensor, and a sensor
     of the torque between device and hand (its effort). ``servo_nm_rad`` is the stiffness of the driver's own
-    position control, ``inertia_kg_m2`` the least inertia that its motor moves.
+    position control, ``inertia_kg_m2`` the least inertia that its motor moves; the
+    thesis's where it is not stated, which only a trajectory driver may leave out.
     """
 
     name: str
@@ -102,6 +103,7 @@ class Device(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             quick_release=self.quick_release,
             chain=self.chain,
             position_sensors=2 if all(row.second for row in rows) else 1,
+            inertia_kg_m2=min(row.inertia_kg_m2 or THESIS_INERTIA_KG_M2 for row in rows),
         )
 
 

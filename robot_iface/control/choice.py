@@ -27,7 +27,8 @@ def make_law(plan: Plan, capabilities: Capabilities) -> Law:
     """
     names, ordered = capabilities.joint_names, plan.prescription
     period_s = capabilities.period_ns * 1e-9
-    check_gains(ordered.stiffness_multiple, ordered.space, names, period_s)
+    inertia = capabilities.inertia_kg_m2
+    check_gains(ordered.stiffness_multiple, ordered.space, names, period_s, inertia)
     if ordered.space == "joint" or ordered.mode in ("transparent", "resistive"):
         return ImpedanceLaw(thesis_gains(names), plan.limits, period_s)
     worn = capabilities.chain == "hand"

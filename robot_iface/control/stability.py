@@ -6,8 +6,6 @@ from robot_iface.control.gains import FINGERTIP_N_M, Gains, nominal_gains
 from robot_iface.errors import Refused
 from robot_iface.types import Float64, Space
 
-ROTOR_INERTIA_KG_M2 = 3e-4
-"""Reflected rotor inertia M for which the thesis's gains are critically damped; no device here has less."""
 JOINT_DAMPING_NMS_RAD = 1e-4
 """Physical damping b of a bare joint."""
 DELAY_TICKS = 1.0
@@ -30,16 +28,19 @@ def stiffness_bound_nm_rad(damping_nms_rad: Float64, period_s: float) -> Float64
     return STIFFNESS_SHARE * (JOINT_DAMPING_NMS_RAD + damping_nms_rad) / delay_s
 
 
-def damping_bound_nms_rad(period_s: float) -> float:
+def damping_bound_nms_rad(period_s: float, inertia_kg_m2: float) -> float:
     """D < 0.7 M / T, with one tick of delay.
 
     Args:
         period_s: Control period T.
+        inertia_kg_m2: Least inertia M of a joint, reflected (``Capabilities.inertia_kg_m2``).
     """
-    return DAMPING_SHARE * ROTOR_INERTIA_KG_M2 / period_s
+    return DAMPING_SHARE * inertia_kg_m2 / period_s
 
 
-def check_gains(multiple: float, space: Space, names: tuple[str, ...], period_s: float) -> None:
+def check_gains(
+    multiple: float, space: Space, names: tuple[str, ...], period_s: float, inertia_kg_m2: float
+) -> None:
     """Pass if a prescribed stiffness is in its range and stable on any joint.
 
     K grows with the multiple n and D with its root, so that what passes at n passes at every smaller one.
@@ -49,6 +50,7 @@ def check_gains(multiple: float, space: Space, names: tuple[str, ...], period_s:
         space: Where the impedance acts.
         names: The J driven joints.
         period_s: Control period.
+        inertia_kg_m2: Least inertia of a joint of the device.
 
     Raises:
         Refused: It is out of range or would be unstable: joint, value, bound.
@@ -62,21 +64,22 @@ def check_gains(multiple: float, space: Space, names: tuple[str, ...], period_s:
     if space == "fingertip" and not low <= stiffness_n_m <= high:
         bound = f"{low:g} to {high:g} N/m (stiffness multiple 1 to 8)"
         raise Refused("fingertip stiffness", f"{stiffness_n_m:g} N/m", bound, "prescribe one in this range")
-    check_joint_gains(nominal_gains(names, space).scaled(multiple), names, period_s)
+    check_joint_gains(nominal_gains(names, space).scaled(multiple), names, period_s, inertia_kg_m2)
 
 
-def check_joint_gains(gains: Gains, names: tuple[str, ...], period_s: float) -> None:
+def check_joint_gains(gains: Gains, names: tuple[str, ...], period_s: float, inertia_kg_m2: float) -> None:
     """Pass if each joint's gains are stable.
 
     Args:
         gains: K and D of each joint.
         names: The J driven joints.
         period_s: Control period.
+        inertia_kg_m2: Least inertia of a joint of the device.
 
     Raises:
         Refused: One would be unstable: joint, value, bound.
     """
-    most_d = damping_bound_nms_rad(period_s)
+    most_d = damping_bound_nms_rad(period_s, inertia_kg_m2)
     most_k: Float64 = stiffness_bound_nm_rad(gains.damping_nms_rad, period_s)
     at = f"at {period_s * 1e3:g} ms"
     remedy = "prescribe a lower stiffness multiple"

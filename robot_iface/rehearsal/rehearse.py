@@ -25,7 +25,7 @@ from robot_iface.rehearsal.observe import Observer
 from robot_iface.runtime import Rig, ScriptedInbox, Surroundings, perform, plan_parts, seal
 from robot_iface.safety import admit_limits
 from robot_iface.sim import simulated
-from robot_iface.types import Capabilities, Certificate, Plan, RunEnd
+from robot_iface.types import Capabilities, Certificate, Plan, RunEnd, Sweep
 
 REHEARSED_REPETITIONS = 2
 """Repetitions of the dry run: the second already carries what the first has taught."""
@@ -103,9 +103,22 @@ def _dry(plan: Plan) -> Plan:
     sweep, twin = plan.sweep, plan.twin
     if sweep is not None:
         sweep = replace(sweep, dwell_s=min(sweep.dwell_s, _REHEARSED_DWELL_S))
+        if sweep.kind == "tone":
+            sweep = _each_speed_once(sweep)
         if sweep.kind == "fit":
             twin = replace(twin, axis_offset_m=(0.0, 0.0), strap_slip_rad=0.0)
     return replace(plan, prescription=short, sweep=sweep, twin=twin, realtime=False, stop_at_s=())
+
+
+def _each_speed_once(sweep: Sweep) -> Sweep:
+    """A tone test with one stretch of each speed."""
+    first = [sweep.stretch_rad_s.index(speed) for speed in dict.fromkeys(sweep.stretch_rad_s)]
+    return replace(
+        sweep,
+        postures=tuple(sweep.postures[index] for index in first),
+        goals_rad=sweep.goals_rad[first],
+        stretch_rad_s=tuple(sweep.stretch_rad_s[index] for index in first),
+    )
 
 
 def _found(plan: Plan, observer: Observer, end: RunEnd) -> str:

@@ -9,7 +9,7 @@ from robot_iface.types import Float64, SafetyState
 
 PHASES: tuple[str, ...] = (
     *("", "approach", "ramp", "cue", "move", "hold", "return", "rest", "stopped", "done"),
-    *("open", "tabletop", "hook", "fist", "check"),
+    *("open", "tabletop", "hook", "fist", "check", "fold", "stretch"),
     *("rest-proposed", "skin-check"),
 )
 """The second line holds the parts of a guided sweep, the third the long rests of an exercise."""

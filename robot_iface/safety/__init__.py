@@ -4,10 +4,8 @@ from robot_iface.safety.admission import admit_limits
 from robot_iface.safety.closing import brake_and_close
 from robot_iface.safety.hulls import PackedHulls, pack_hulls
 from robot_iface.safety.shipped import (
-    LONG_HOLD_S,
     MOTOR_CAP_NM,
     THERAPIST_CAP_NM,
-    limits_for_hold,
     raised_limits,
     shipped_limits,
 )
@@ -15,7 +13,6 @@ from robot_iface.safety.supervisor import Supervisor
 from robot_iface.safety.watch import Outcome, Watch
 
 __all__ = [
-    "LONG_HOLD_S",
     "MOTOR_CAP_NM",
     "THERAPIST_CAP_NM",
     "Outcome",
@@ -24,7 +21,6 @@ __all__ = [
     "Watch",
     "admit_limits",
     "brake_and_close",
-    "limits_for_hold",
     "pack_hulls",
     "raised_limits",
     "shipped_limits",

@@ -13,10 +13,6 @@ MOTOR_CAP_NM = 0.6
 """No joint is ever commanded more, whoever asks."""
 THERAPIST_CAP_NM = 0.45
 """Highest interaction torque to which a therapist may raise a joint."""
-
-LONG_HOLD_S = 60.0
-"""Longer holds load a PIP joint with LONG_HOLD_PIP_NM at most."""
-LONG_HOLD_PIP_NM = 0.08
 _INTERACTION_NM = {"mcp": 0.25, "cmc": 0.25, "pip": 0.15, "dip": 0.08, "ip": 0.10}
 _FLEXION_DEG_S = 60.0
 _EXTENSION_DEG_S = 30.0
@@ -93,23 +89,6 @@ def raised_limits(limits: Limits, joint_names: tuple[str, ...], joint: str, tau_
     torques = limits.tau_interaction_nm.copy()
     torques[joint_names.index(joint)] = tau_nm
     return dataclasses.replace(limits, tau_interaction_nm=torques)
-
-
-def limits_for_hold(limits: Limits, joint_names: tuple[str, ...], hold_s: float) -> Limits:
-    """Limits of a run that holds a posture for this long: above 60 s a PIP joint carries .08 Nm at most.
-
-    A limit that is lower already stays.
-
-    Args:
-        limits: Present limits.
-        joint_names: The J driven joints.
-        hold_s: Longest hold.
-    """
-    if hold_s <= LONG_HOLD_S:
-        return limits
-    pip = np.array([_joint_class(name) == "pip" for name in joint_names])
-    capped = np.minimum(limits.tau_interaction_nm, LONG_HOLD_PIP_NM)
-    return dataclasses.replace(limits, tau_interaction_nm=np.where(pip, capped, limits.tau_interaction_nm))
 
 
 def _joint_class(name: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from robot_iface.kinematics.dlr_hit import FINGER_MAX_RAD, FINGER_MIN_RAD, dlr_hit_hand
-from robot_iface.sim.dlr_hit import add_dlr_hit, addresses
+from robot_iface.sim.dlr_hit import ROTOR_INERTIA_KG_M2, add_dlr_hit, addresses
 from robot_iface.sim.effort import Nobody, spasm_rows
 from robot_iface.sim.engine import mujoco
 from robot_iface.sim.faults import Fault, FaultInjector
@@ -48,6 +48,7 @@ def dlr_hit_capabilities() -> Capabilities:
         unpowered="damped",
         encoder_std_rad=ENCODER_STD_RAD,
         chain="dlr-hit-ii",
+        inertia_kg_m2=ROTOR_INERTIA_KG_M2,
     )
 
 

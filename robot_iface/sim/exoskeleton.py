@@ -13,7 +13,7 @@ from robot_iface.sim.engine import mujoco
 from robot_iface.sim.faults import Fault, FaultInjector
 from robot_iface.sim.kernels import push, sense
 from robot_iface.sim.kinds import VirtualPatient, patient_of
-from robot_iface.sim.model import DRIVEN, PERIOD_S, build_model, hand_landmarks
+from robot_iface.sim.model import DRIVEN, PERIOD_S, ROTOR_INERTIA_KG_M2, build_model, hand_landmarks
 from robot_iface.sim.motors import ENCODER_STD_RAD, MOTOR_CAP_NM, Motors, SensorNoise
 from robot_iface.sim.straps import seated_rad, strap_rows
 from robot_iface.types import Capabilities, DeviceCommand, DeviceState, Float64, Int64, PatientTwin
@@ -45,6 +45,7 @@ def device_capabilities() -> Capabilities:
         worn=True,
         unpowered="free",
         encoder_std_rad=ENCODER_STD_RAD,
+        inertia_kg_m2=ROTOR_INERTIA_KG_M2,
     )
 
 

@@ -28,6 +28,7 @@ _RECOVERY_S = 600.0  # fatigue of therapy comes and goes in minutes (assumed)
 _TWITCH_S = (
     0.03  # twice: the twitch of a finger muscle peaks some 60 ms after its nerve (assumed within 50-80 ms)
 )
+_WEAKENS_RAD_S = 10.0  # up to here a muscle gives all: far above any speed that the supervisor lets pass
 _FASTEST_RAD_S = 25.0  # no muscle shortens faster: about the fastest movement of a free finger (assumed)
 _SLACKENS_RAD_S = math.radians(120.0)  # faster than any therapy flexes
 _SLACKENS_S = 0.01
@@ -130,9 +131,10 @@ def _beat(excess: float, j: int, who: Float64, joints: Float64) -> float:
 
 @compiled
 def _within_strength(torque: float, speed: float, j: int, joints: Float64) -> float:
-    """What a muscle can give of a torque: no more than its strength, and less the faster it shortens."""
+    """What a muscle can give of a torque: no more than its strength, and less when it shortens very fast."""
     if torque * speed > 0.0:
-        torque *= max(1.0 - abs(speed) / _FASTEST_RAD_S, 0.0)
+        left = (_FASTEST_RAD_S - abs(speed)) / (_FASTEST_RAD_S - _WEAKENS_RAD_S)
+        torque *= min(max(left, 0.0), 1.0)
     return min(max(torque, -joints[EXTENSOR_CAP, j]), joints[FLEXOR_CAP, j])
 
 

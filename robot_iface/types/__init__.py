@@ -1,6 +1,12 @@
 """Values that the motion core is handed, passes on and reports."""
 
-from robot_iface.types.device import Capabilities, CommandMode, DeviceCommand, DeviceState
+from robot_iface.types.device import (
+    THESIS_INERTIA_KG_M2,
+    Capabilities,
+    CommandMode,
+    DeviceCommand,
+    DeviceState,
+)
 from robot_iface.types.hand import (
     DIGITS,
     FINGERS,
@@ -34,6 +40,7 @@ __all__ = [
     "LANDMARKS",
     "MODES",
     "SPACES",
+    "THESIS_INERTIA_KG_M2",
     "VIRTUAL_KINDS",
     "Capabilities",
     "Certificate",

@@ -8,6 +8,9 @@ from typing import Literal
 
 from robot_iface.types.hand import Float64
 
+THESIS_INERTIA_KG_M2 = 3e-4
+"""Rotor inertia for which the thesis's gains are critically damped; taken where a device states none."""
+
 
 class CommandMode(IntEnum):
     """What a device does with a command."""
@@ -35,6 +38,7 @@ class Capabilities:
         chain: Whose kinematics its joints follow: the patient's hand inside it, or the robot's own.
         position_sensors: How many sensors measure each joint; with 1, ``q_second_rad`` repeats ``q_rad`` and
             no sensor error can be seen.
+        inertia_kg_m2: Least inertia that a motor moves, as seen at its joint; bounds what damping is stable.
     """
 
     name: str
@@ -50,6 +54,7 @@ class Capabilities:
     quick_release: bool = False
     chain: Literal["hand", "dlr-hit-ii"] = "hand"
     position_sensors: int = 2
+    inertia_kg_m2: float = THESIS_INERTIA_KG_M2
 
 
 @dataclass(frozen=True, slots=True)

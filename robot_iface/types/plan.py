@@ -16,7 +16,9 @@ Mode = Literal["passive", "assistive", "transparent", "resistive"]
 MODES: tuple[Mode, ...] = ("passive", "assistive", "transparent", "resistive")
 Space = Literal["joint", "fingertip"]
 SPACES: tuple[Space, ...] = ("joint", "fingertip")
-SweepKind = Literal["range", "fit"]
+SweepKind = Literal["range", "fit", "tone"]
+FASTEST_STRETCH_RAD_S = 1.6
+"""Just above 90 deg/s, the fastest of the three speeds at which tone is tested."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,16 +147,19 @@ class Sweep:
 
     Attributes:
         kind: "range" measures today's range at named postures, "fit" checks the fit and the sign of every
-            joint after donning.
+            joint after donning, "tone" stretches the fingers at several speeds.
         joint_names: The J joints of the device.
         side: Side of the patient's hand.
-        postures: Names of the postures in order, such as open, tabletop, hook, fist; empty for "fit".
+        postures: Names of the postures in order, such as open, tabletop, hook, fist; empty for "fit",
+            "stretch" once for each stretch of "tone".
         goals_rad: Where the robot helps towards in each posture, (P, J).
         speed_rad_s: Highest speed of the help.
         active: Whether the patient is first asked to make each posture alone (transparent); the robot then
             goes on slowly and gently from there (passive).
         dwell_s: How long the hand must rest at the end of a posture.
         timeout_s: Longest time of one posture's active or passive part.
+        stretch_rad_s: Of "tone": speed of each stretch, (P,); the limits of the hand may make it slower.
+        start_rad: Of "tone": where each stretch begins, (J,); else empty.
     """
 
     kind: SweepKind
@@ -166,6 +171,8 @@ class Sweep:
     active: bool = True
     dwell_s: float = 1.0
     timeout_s: float = 20.0
+    stretch_rad_s: tuple[float, ...] = ()
+    start_rad: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if self.goals_rad.shape != (len(self.postures), len(self.joint_names)):
@@ -173,6 +180,18 @@ class Sweep:
             raise Refused("sweep goals", f"of shape {self.goals_rad.shape}", bound, "give one row a posture")
         if not 0.0 < self.speed_rad_s <= 0.35:
             raise Refused("sweep speed", f"{self.speed_rad_s:g} rad/s", "above 0, at most 0.35", "go slower")
+        if self.kind == "tone":
+            self._check_tone()
+
+    def _check_tone(self) -> None:
+        if len(self.stretch_rad_s) != len(self.postures) or len(self.start_rad) != len(self.joint_names):
+            value = f"{len(self.stretch_rad_s)} speeds and {len(self.start_rad)} starting angles"
+            bound = f"{len(self.postures)} speeds and {len(self.joint_names)} angles"
+            raise Refused("tone test", value, bound, "give one speed a stretch, one angle a joint")
+        for speed in self.stretch_rad_s:
+            if not 0.0 < speed <= FASTEST_STRETCH_RAD_S:
+                bound = f"above 0, at most {FASTEST_STRETCH_RAD_S}"
+                raise Refused("speed of a stretch", f"{speed:g} rad/s", bound, "go slower")
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,5 +1,6 @@
 """Who, what and when of a clinic: one SQLite file beside the recordings."""
 
+from sessions.catalogue.audit_filter import AuditFilter
 from sessions.catalogue.catalogue import Catalogue
 from sessions.catalogue.clinic_records import ENTRY_KINDS, PatientEntry, Setting, SignIn
 from sessions.catalogue.clinical_records import (
@@ -37,6 +38,7 @@ __all__ = [
     "TORQUE_LIMIT",
     "Approval",
     "AssistanceMemory",
+    "AuditFilter",
     "AuditRow",
     "CameraCalibration",
     "Catalogue",

@@ -9,7 +9,9 @@ from pathlib import Path
 from sessions.catalogue.calibrations import Calibrations
 from sessions.catalogue.clinic import Book
 from sessions.catalogue.clinical import Clinical
+from sessions.catalogue.copying import Copying
 from sessions.catalogue.engine import open_engine
+from sessions.catalogue.erasure import Erasure
 from sessions.catalogue.people import People
 from sessions.catalogue.sign_ins import SignIns
 from sessions.catalogue.takes import Takes
@@ -20,7 +22,7 @@ from sessions.errors import Refused
 FILE = "clinic.sqlite3"
 
 
-class Catalogue(People, SignIns, Takes, Therapy, Clinical, Book, Calibrations, Trail):
+class Catalogue(People, SignIns, Takes, Therapy, Clinical, Book, Calibrations, Trail, Copying, Erasure):
     """People and what is known and written of them, takes, orders, sessions, cameras, hands, the audit."""
 
     @classmethod

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from sqlalchemy import func, select
+from sqlalchemy.orm import Session
 
 from sessions.catalogue.ledger import Ledger
 from sessions.catalogue.records import Patient, User
 from sessions.catalogue.rows import find_patient, patient_row, user_row, value_of
+from sessions.catalogue.search import ORDERS, folded, words_of
 from sessions.catalogue.tables import PatientRow, UserRow
 from sessions.errors import Refused
+
+_NAMESAKES = 50
 
 
 class People(Ledger):
@@ -100,6 +106,54 @@ class People(Ledger):
             )
             return tuple(value_of(Patient, row) for row in rows)
 
+    def find_patients(
+        self, typed: str = "", *, archived: bool = False, order: str = "name", start: int = 0, count: int = 50
+    ) -> tuple[tuple[Patient, ...], int]:
+        """Patients whose name, birth date or pseudonym holds every word that was typed.
+
+        Args:
+            typed: Words; accents and case do not matter, empty for everybody.
+            archived: Among the archived ones, else among the others.
+            order: One of ORDERS; a leading "-" turns it round.
+            start: How many to leave out at the beginning.
+            count: At most so many.
+
+        Returns:
+            Those patients, and how many there are in all.
+
+        Raises:
+            Refused: The order is unknown.
+        """
+        key = order.removeprefix("-")
+        if key not in ORDERS:
+            raise Refused("order of patients", repr(order[:40]), "one of " + ", ".join(ORDERS), "choose one")
+        words = words_of(typed)
+        with self._reading() as session:
+            found = [row for row in _outlines(session, archived) if all(word in row[-1] for word in words)]
+            found.sort(key=lambda row: row[1 + ORDERS.index(key)], reverse=order.startswith("-"))
+            ids = [str(row[0]) for row in found[start : start + count]]
+            rows = session.scalars(select(PatientRow).where(PatientRow.id.in_(ids)))
+            values = {row.id: value_of(Patient, row) for row in rows}
+            return tuple(values[one] for one in ids), len(found)
+
+    def namesakes(self, given_name: str, family_name: str, birth_date: str) -> tuple[Patient, ...]:
+        """Patients of the same name or the same birth date, the archived among them."""
+        name = folded(f"{given_name} {family_name}")
+        with self._reading() as session:
+            query = select(
+                PatientRow.id, PatientRow.given_name, PatientRow.family_name, PatientRow.birth_date
+            )
+            ids = [
+                pseudonym
+                for pseudonym, given, family, born in session.execute(query)
+                if (name and folded(f"{given} {family}") == name) or (birth_date and born == birth_date)
+            ]
+            return self._of(session, ids[:_NAMESAKES])
+
+    def _of(self, session: Session, ids: Iterable[str]) -> tuple[Patient, ...]:
+        query = select(PatientRow).where(PatientRow.id.in_(tuple(ids))).order_by(PatientRow.number)
+        return tuple(value_of(Patient, row) for row in session.scalars(query))
+
     def change_patient(self, patient: Patient) -> Patient:
         """Write everything of the patient with this pseudonym, archived or not among it.
 
@@ -122,3 +176,22 @@ class People(Ledger):
             row.side, row.hand_length_m = patient.side, patient.hand_length_m
             row.impairment, row.archived = patient.impairment, patient.archived
             return value_of(Patient, row)
+
+
+def _outlines(session: Session, archived: bool) -> list[tuple[str, tuple[str, int], str, str, int, str]]:
+    """Id, a key for each of ORDERS, the text that is searched: few columns, so that 10,000 are quick."""
+    row = PatientRow
+    query = select(row.id, row.number, row.given_name, row.family_name, row.birth_date, row.side)
+    return [
+        (
+            pseudonym,
+            (folded(f"{family} {given}"), number),
+            born,
+            side,
+            number,
+            f"{folded(f'{given} {family}')} {born} {pseudonym.casefold()}",
+        )
+        for pseudonym, number, given, family, born, side in session.execute(
+            query.where(row.archived == archived).order_by(row.number)
+        )
+    ]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 
 from sessions.catalogue.ledger import Ledger
 from sessions.catalogue.records import Approval, Exercise, Take
 from sessions.catalogue.rows import refuse_path, relative, short_id, take_row, value_of
 from sessions.catalogue.tables import ApprovalRow, ExerciseRow, TakeRow
 from sessions.errors import Refused
+
+_NO_FILE = ""
+"""Digest in a row that withdraws an approval."""
 
 
 class Takes(Ledger):
@@ -87,8 +90,27 @@ class Takes(Ledger):
             session.add(row)
             return value_of(Approval, row)
 
+    def withdraw(self, take: str, by: str) -> None:
+        """Take the approval of a take back: a newer row that approves no file.
+
+        Raises:
+            Refused: No take has that id, or nobody is named.
+        """
+        if not by.strip():
+            raise Refused("withdrawal", "by nobody", "by a named user", "name the user with --by")
+        with self._writing() as session:
+            session.add(ApprovalRow(take_row(session, take).id, by.strip(), self._clock_ns(), _NO_FILE))
+
+    def approvals(self) -> dict[str, Approval]:
+        """The approvals that hold now, by the id of their take: one query for a whole list."""
+        newest = select(func.max(ApprovalRow.id)).join(TakeRow, TakeRow.id == ApprovalRow.take)
+        known = newest.where(ApprovalRow.digest.in_((TakeRow.sha256, _NO_FILE))).group_by(ApprovalRow.take)
+        with self._reading() as session:
+            rows = session.scalars(select(ApprovalRow).where(ApprovalRow.id.in_(known)))
+            return {row.take: value_of(Approval, row) for row in rows if row.digest != _NO_FILE}
+
     def approval(self, take: str) -> Approval | None:
-        """The last approval of a take, None where it was never approved.
+        """The approval that holds for a take, None where it was never approved or was withdrawn since.
 
         Raises:
             Refused: No take has that id.
@@ -96,7 +118,7 @@ class Takes(Ledger):
         with self._reading() as session:
             found = take_row(session, take)
             query = select(ApprovalRow).where(
-                ApprovalRow.take == found.id, ApprovalRow.digest == found.sha256
+                ApprovalRow.take == found.id, ApprovalRow.digest.in_((found.sha256, _NO_FILE))
             )
             row = session.scalar(query.order_by(ApprovalRow.id.desc()).limit(1))
-            return None if row is None else value_of(Approval, row)
+            return None if row is None or row.digest == _NO_FILE else value_of(Approval, row)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from sqlalchemy import select
+from collections.abc import Iterable
+from typing import Any
+
+from sqlalchemy import ColumnElement, func, select
 
 from sessions.catalogue import audit
+from sessions.catalogue.audit_filter import AuditFilter
 from sessions.catalogue.ledger import Ledger
 from sessions.catalogue.records import AuditRow
 from sessions.catalogue.rows import value_of
@@ -16,35 +20,43 @@ class Trail(Ledger):
 
     def record_audit(self, actor: str, verb: str, subject: str, detail: str = "") -> AuditRow:
         """Append to the audit; never name a patient in ``detail``."""
+        return self.record_audit_rows([(actor, verb, subject, detail)])[-1]
+
+    def record_audit_rows(self, rows: Iterable[tuple[str, str, str, str]]) -> tuple[AuditRow, ...]:
+        """Append several rows in one transaction, each (actor, verb, subject, detail)."""
         with self._writing() as session:
-            last = session.scalar(select(AuditTableRow).order_by(AuditTableRow.seq.desc()).limit(1))
-            row = audit.chained(
-                value_of(AuditRow, last) if last else None,
-                utc_ns=self._clock_ns(),
-                actor=actor,
-                verb=verb,
-                subject=subject,
-                detail=detail,
-            )
-            session.add(
-                AuditTableRow(
-                    row.seq,
-                    row.utc_ns,
-                    row.actor,
-                    row.verb,
-                    row.subject,
-                    row.detail,
-                    row.previous_hash,
-                    row.hash,
+            newest = session.scalar(select(AuditTableRow).order_by(AuditTableRow.seq.desc()).limit(1))
+            last = value_of(AuditRow, newest) if newest else None
+            added: list[AuditRow] = []
+            for actor, verb, subject, detail in rows:
+                last = audit.chained(
+                    last, utc_ns=self._clock_ns(), actor=actor, verb=verb, subject=subject, detail=detail
                 )
-            )
-            return row
+                added.append(last)
+                session.add(_table_row(last))
+            return tuple(added)
 
     def audit(self, limit: int = 200) -> tuple[AuditRow, ...]:
         """The last rows of the audit, newest first."""
         with self._reading() as session:
             rows = session.scalars(select(AuditTableRow).order_by(AuditTableRow.seq.desc()).limit(limit))
             return tuple(value_of(AuditRow, row) for row in rows)
+
+    def find_audit(self, wanted: AuditFilter, start: int, count: int) -> tuple[tuple[AuditRow, ...], int]:
+        """Rows that fit, newest first, and how many fit in all."""
+        conditions = _conditions(wanted)
+        with self._reading() as session:
+            total = session.scalar(select(func.count()).select_from(AuditTableRow).where(*conditions)) or 0
+            query = select(AuditTableRow).where(*conditions).order_by(AuditTableRow.seq.desc())
+            rows = session.scalars(query.offset(start).limit(count))
+            return tuple(value_of(AuditRow, row) for row in rows), total
+
+    def audit_words(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Actors and verbs of the audit, each once and in order."""
+        with self._reading() as session:
+            actors = session.scalars(select(AuditTableRow.actor).distinct().order_by(AuditTableRow.actor))
+            verbs = session.scalars(select(AuditTableRow.verb).distinct().order_by(AuditTableRow.verb))
+            return tuple(actors), tuple(verbs)
 
     def verify_audit(self) -> int:
         """Follow the whole chain and count its rows.
@@ -55,3 +67,23 @@ class Trail(Ledger):
         with self._reading() as session:
             rows = session.scalars(select(AuditTableRow).order_by(AuditTableRow.seq))
             return audit.verify(value_of(AuditRow, row) for row in rows)
+
+
+def _table_row(row: AuditRow) -> AuditTableRow:
+    return AuditTableRow(
+        row.seq, row.utc_ns, row.actor, row.verb, row.subject, row.detail, row.previous_hash, row.hash
+    )
+
+
+def _conditions(wanted: AuditFilter) -> list[ColumnElement[bool]]:
+    column: Any = AuditTableRow
+    conditions: list[ColumnElement[bool]] = []
+    for name in ("actor", "verb", "subject"):
+        value = getattr(wanted, name)
+        if value:
+            conditions.append(getattr(column, name) == value)
+    if wanted.from_utc_ns:
+        conditions.append(AuditTableRow.utc_ns >= wanted.from_utc_ns)
+    if wanted.until_utc_ns:
+        conditions.append(AuditTableRow.utc_ns < wanted.until_utc_ns)
+    return conditions

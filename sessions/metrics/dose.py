@@ -47,3 +47,16 @@ def prescribed_repetitions(prescription: str) -> int | None:
         return None
     ordered: Any = content.get("repetitions") if isinstance(content, dict) else None
     return ordered if isinstance(ordered, int) and not isinstance(ordered, bool) and ordered > 0 else None
+
+
+def adherence(held: int, days: float, per_week: int) -> Estimate:
+    """Sessions held over sessions ordered, counted, so without an interval.
+
+    Args:
+        held: Sessions held within the time.
+        days: Length of the time, days.
+        per_week: Sessions ordered for a week.
+    """
+    if per_week <= 0 or not days > 0.0:
+        return Estimate.missing("no sessions were ordered for that time")
+    return Estimate(held / (per_week * days / 7.0))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from sessions.metrics.filtering import FILTER, cut_hz
 from sessions.metrics.metric import Estimate, Metric, metric
 from sessions.metrics.motion_range import joint_range, total_active_motion
+from sessions.metrics.norms import NORM_WORDS, active_motion_share, norm_of, share_of
 from sessions.metrics.recording import Origin, digit_with_all_joints, seconds
 from sessions.metrics.repetitions import Cycles, cycles, main_movement
 from sessions.metrics.strokes import StrokeValues, over_strokes, smoothness_floor, stroke_values
@@ -21,7 +22,9 @@ from sessions.records.fields import Float64, Int64, UInt8
 FLEXION = np.array([0.0 if joint.endswith("abduction") else 1.0 for joint in JOINTS])
 MOSTLY = 0.95
 FLOOR_SEED = 2015
+FEWEST_BENDS = 20
 ESTIMATED = "estimated from other joints, not measured"
+EFFORT = "the take need not show full effort"
 ARM = "reliability is known for reaching arms, not for fingers"
 
 
@@ -91,11 +94,16 @@ def range_metrics(motion: HandMotion, origin: Origin) -> list[Metric]:
             strict=True,
         ):
             found.append(metric(name, joint, value, lineage, flag))
+        norm = norm_of(joint)
+        if norm is not None:
+            of_norm = origin.lineage((motion.topic,), motion.t_ns, f"{FILTER}; {NORM_WORDS}")
+            share = share_of(extent.width, Estimate(norm, (norm, norm)))
+            found.append(metric("range_share", joint, share, of_norm, flag))
     return found
 
 
-def main_cycles(motion: HandMotion, rows: NDArray[np.bool_] | None = None) -> Cycles:
-    """Cycles of the main movement.
+def main_angle(motion: HandMotion, rows: NDArray[np.bool_] | None = None) -> Float64:
+    """The main movement as one angle, shape (N,), rad.
 
     Args:
         motion: The hand.
@@ -105,7 +113,12 @@ def main_cycles(motion: HandMotion, rows: NDArray[np.bool_] | None = None) -> Cy
     movement = main_movement(angles, FLEXION)
     if rows is not None:
         movement = np.where(rows, movement, np.nan)
-    return cycles(seconds(motion.t_ns), movement)
+    return movement
+
+
+def main_cycles(motion: HandMotion, rows: NDArray[np.bool_] | None = None) -> Cycles:
+    """Cycles of the main movement; arguments as of ``main_angle``."""
+    return cycles(seconds(motion.t_ns), main_angle(motion, rows))
 
 
 def stroke_metrics(motion: HandMotion, strokes_s: Float64, origin: Origin) -> list[Metric]:
@@ -120,7 +133,7 @@ def stroke_metrics(motion: HandMotion, strokes_s: Float64, origin: Origin) -> li
         for name, read, remark in _STROKE_ROWS:
             estimate = over_strokes([read(item) for item in values])
             found.append(metric(name, digit, estimate, lineage, "; ".join(filter(None, (flag, remark)))))
-        floors = smoothness_floor(values, _noise_m(motion.fingertip_std_m[:, column]), rng)
+        floors = smoothness_floor(values, _noise_m(motion.fingertip_std_m[:, column], tips[:, column]), rng)
         for name, floor in zip(("sparc_floor", "ldlj_floor"), floors, strict=True):
             found.append(metric(name, digit, floor, lineage))
     return found
@@ -145,10 +158,12 @@ def active_motion_metrics(motion: HandMotion, origin: Origin, refusal: str = "")
             value = Estimate.missing(refusal or "MCP, PIP and DIP were never measured together")
         else:
             total = np.where(whole, angles.sum(axis=1), np.nan)
-            value = total_active_motion(angles[np.nanargmax(total)], angles[np.nanargmin(total)])
-        found.append(
-            metric("total_active_motion", finger, value, lineage, "the take need not show full effort")
-        )
+            fist, open_ = int(np.nanargmax(total)), int(np.nanargmin(total))
+            std = motion.joint_std_rad[:, columns]
+            value = total_active_motion(angles[fist], angles[open_], std[fist], std[open_])
+        share, words = active_motion_share(value)
+        found.append(metric("total_active_motion", finger, value, lineage, EFFORT))
+        found.append(metric("active_motion_share", finger, share, lineage, f"{words}; {EFFORT}"))
     return found
 
 
@@ -168,6 +183,18 @@ def _filter_of(values: list[StrokeValues]) -> str:
     return f"{FILTER.replace('6 Hz', f'{cut_hz(rate):.3g} Hz')}, {rate:.3g} samples/s"
 
 
-def _noise_m(std_m: Float64) -> float:
+def _noise_m(std_m: Float64, tip_m: Float64) -> float:
+    """Noise from frame to frame: what is stated, or less where second differences (N - 2, 3) show less.
+
+    An error that stays (a bone's length, a marker's place) is in what is stated, and does not make a
+    movement look rough.
+    """
     known = std_m[np.isfinite(std_m)]
-    return float(np.median(known)) if known.size else math.nan
+    if not known.size:
+        return math.nan
+    stated = float(np.median(known))
+    bends = np.diff(tip_m, 2, axis=0)
+    bends = bends[np.isfinite(bends).all(axis=1)]
+    if len(bends) < FEWEST_BENDS:
+        return stated
+    return min(stated, float(np.sqrt(np.median(np.mean(bends**2, axis=1)) / 6.0)))

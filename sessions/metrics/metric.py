@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from sessions.metrics.registry import definition
 
 Interval = tuple[float, float]
+NO_INTERVAL = "no interval"
+"""How every remark begins that says why a value has none."""
 Z95 = 1.959963984540054
 """Two-sided 95 % point of the normal distribution; every interval of this package is a 95 % interval."""
 
@@ -101,12 +103,15 @@ def metric(name: str, subject: str, estimate: Estimate, lineage: Lineage, flag: 
     if not math.isfinite(estimate.value):
         status = f"not measurable: {estimate.reason or 'the value is not finite'}"
         return Metric(name, subject, math.nan, known.unit, None, known.version, status, lineage)
+    interval = _finite(estimate.interval)
+    if interval is None and not known.exact and NO_INTERVAL not in remark:
+        remark = "; ".join(text for text in (remark, f"{NO_INTERVAL}: the error is not stated") if text)
     return Metric(
         name,
         subject,
         float(estimate.value),
         known.unit,
-        _finite(estimate.interval),
+        interval,
         known.version,
         f"flagged: {remark}" if remark else "ok",
         lineage,

@@ -71,19 +71,31 @@ def joint_range(t_s: Float64, angle_rad: Float64, std_rad: Float64) -> JointRang
     )
 
 
-def total_active_motion(flexion_rad: Float64, extension_deficit_rad: Float64) -> Estimate:
+def total_active_motion(
+    flexion_rad: Float64,
+    extension_deficit_rad: Float64,
+    flexion_std_rad: Float64 | None = None,
+    deficit_std_rad: Float64 | None = None,
+) -> Estimate:
     """Flexion of MCP, PIP and DIP at one instant of a fist, less the deficits of the straight finger.
 
     Args:
         flexion_rad: Angles of the three joints in the fullest fist, shape (3,).
         extension_deficit_rad: Angles of the three joints at the fullest opening, shape (3,); hyperextension
             (a negative angle) counts as no deficit.
+        flexion_std_rad: Standard deviations of the former, shape (3,); None or NaN: no interval. Errors of
+            the joints are taken as independent.
+        deficit_std_rad: Standard deviations of the latter, shape (3,).
     """
     deficit = np.maximum(0.0, extension_deficit_rad)
     value = float(np.sum(flexion_rad) - np.sum(deficit))
     if not math.isfinite(value):
         return Estimate.missing("a joint of the finger was not measured in the fist or in the opening")
-    return Estimate(value)
+    if flexion_std_rad is None or deficit_std_rad is None:
+        return Estimate(value)
+    counted = np.where(extension_deficit_rad > 0.0, deficit_std_rad, 0.0)
+    spread = math.sqrt(float(np.sum(flexion_std_rad**2) + np.sum(counted**2)))
+    return Estimate(value, _around(value, spread))
 
 
 def _inside(values: Float64, window: int) -> Float64:

@@ -11,6 +11,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from sessions.metrics.measure import measure
+from sessions.metrics.separated import PassiveRun, read_passive
 from sessions.metrics.summary import Summary
 from sessions.records import SessionHeader, Topic
 from sessions.store import SessionReader
@@ -43,16 +44,24 @@ class OpenedFile:
         return self.reader.columns(topic)
 
 
-def measure_file(path: Path) -> Summary:
+def measure_file(path: Path, passive: Path | None = None) -> Summary:
     """All numbers of a sealed take or therapy session.
 
     Args:
         path: The file.
+        passive: A passive run of the same hand, day and device, whose curve is taken off the patient's work.
 
     Raises:
-        Refused: It cannot be read, or lacks what its kind needs.
+        Refused: One of them cannot be read, or lacks what its kind needs.
     """
+    run: PassiveRun | None = None
+    if passive is not None:
+        with SessionReader(passive) as reader:
+            run = read_passive(OpenedFile(reader, _digest(passive)))
     with SessionReader(path) as reader:
-        with path.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
-        return measure(OpenedFile(reader, digest))
+        return measure(OpenedFile(reader, _digest(path)), run)
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

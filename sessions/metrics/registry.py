@@ -16,6 +16,7 @@ class Definition:
         unit: SI unit, "1" for what has none.
         title: Short heading for a person.
         meaning: One plain sentence.
+        exact: Why it needs no interval, empty where a value without one must say why.
     """
 
     name: str
@@ -23,6 +24,7 @@ class Definition:
     unit: str
     title: str
     meaning: str
+    exact: str = ""
 
 
 _ROWS = (
@@ -79,17 +81,100 @@ _ROWS = (
     ("interaction_torque", "Nm", "Interaction torque", "Largest torque between robot and hand."),
     ("dose_time", "s", "Time in movement", "Time spent moving and holding."),
     ("dose_completed", "1", "Dose", "Part of the prescribed repetitions that was completed."),
+    (
+        "range_share",
+        "1",
+        "Range over the norm",
+        "Range of the joint over the normal range that is named beside it.",
+    ),
+    (
+        "active_motion_share",
+        "1",
+        "Total active motion over 260 degrees",
+        "Total active motion of the finger over that of a normal one.",
+    ),
+    (
+        "extension_lag",
+        "rad",
+        "Extension lag",
+        "What the patient lacks to straight beyond what the joint itself lacks.",
+    ),
+    (
+        "contracture",
+        "rad",
+        "Passive extension deficit",
+        "What the joint lacks to straight even when it is moved by somebody.",
+    ),
+    (
+        "finger_to_palm",
+        "m",
+        "Finger to palm",
+        "Smallest distance of the fingertip to the crease of the palm.",
+    ),
+    ("aperture", "m", "Aperture", "Largest distance of the tips of thumb and index finger."),
+    ("span", "m", "Span", "Largest distance of the tips of thumb and little finger."),
+    ("finger_spread", "m", "Spread", "Largest distance of the tips of index and little finger."),
+    (
+        "kapandji",
+        "1",
+        "Opposition (Kapandji)",
+        "Farthest of ten places that the thumb's tip reached, from landmarks.",
+    ),
+    (
+        "amplitude_decrement",
+        "1",
+        "Decrement",
+        "Part of the first movement's size that was lost by the last; negative where it grew.",
+    ),
+    ("pauses", "1", "Pauses", "Rests of half a second or more within the repeated movement."),
+    ("longest_pause", "s", "Longest pause", "Longest rest within the repeated movement."),
+    ("trigger_latency", "s", "Time to start", "Time from the cue to the patient's own start."),
+    (
+        "assistance_opening",
+        "1",
+        "Assistance, opening",
+        "Stiffness while the finger was to open, in thesis gains.",
+    ),
+    (
+        "assistance_closing",
+        "1",
+        "Assistance, closing",
+        "Stiffness while the finger was to close, in thesis gains.",
+    ),
+    (
+        "work_share",
+        "1",
+        "Robot's share, recoil taken off",
+        "Part of the work that the robot did beside the patient.",
+    ),
+    ("patient_work", "J", "Patient's work", "Work of the patient along the movement, recoil taken off."),
+    (
+        "resisting_work",
+        "J",
+        "Work against the movement",
+        "Work of the patient against the movement; negative.",
+    ),
     ("stops", "1", "Stops", "How often the session was stopped, by a person or by a safety rule."),
     ("valid_share", "1", "Seen", "Part of the frames in which the marker was measured."),
     ("longest_gap", "s", "Longest gap", "Longest time in which the marker was not measured."),
     ("fit_residual", "m", "Fit residual", "How far the fitted hand is from the markers, rms."),
 )
 
-VERSIONS: Mapping[str, str] = {}
+VERSIONS: Mapping[str, str] = {"sparc_floor": "2", "ldlj_floor": "2"}
 """Names whose method is no longer at version 1."""
 
+_COUNTED, _DESCRIBES = "counted", "describes the recording itself"
+_EXACT: Mapping[str, str] = {
+    **dict.fromkeys(
+        ("repetitions", "repetitions_by_patient", "stops", "pauses", "dose_time", "dose_completed"), _COUNTED
+    ),
+    **dict.fromkeys(("valid_share", "longest_gap", "fit_residual"), _DESCRIBES),
+    **dict.fromkeys(("assistance", "assistance_opening", "assistance_closing", "stiffness"), "commanded"),
+}
+"""Numbers that carry no error of measurement, and why."""
+
 DEFINITIONS: Mapping[str, Definition] = {
-    name: Definition(name, VERSIONS.get(name, "1"), unit, title, meaning)
+    name: Definition(name, VERSIONS.get(name, "1"), unit, title, meaning, _EXACT.get(name, ""))
     for name, unit, title, meaning in _ROWS
 }
 

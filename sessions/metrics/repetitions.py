@@ -28,12 +28,14 @@ class Cycles:
     Attributes:
         count: Complete repetitions (there and back).
         strokes_s: Start and end of every single movement there or back, shape (S, 2).
+        stroke_rad: How far each of them went, shape (S,).
         rate_hz: Repetitions per second from the first turning point to the last, NaN below two.
         amplitude_rad: Whole excursion of the main movement, rad (root sum square over joints).
     """
 
     count: int
     strokes_s: Float64
+    stroke_rad: Float64
     rate_hz: float
     amplitude_rad: float
 
@@ -76,10 +78,10 @@ def cycles(t_s: Float64, movement_rad: Float64) -> Cycles:
     spans = uniform_spans(t_s, movement_rad)
     smooth = [low_pass(span.values, span.rate_hz) for span in spans]
     if not smooth:
-        return Cycles(0, np.empty((0, 2)), math.nan, math.nan)
+        return Cycles(0, np.empty((0, 2)), np.empty(0), math.nan, math.nan)
     amplitude = max(float(part.max()) for part in smooth) - min(float(part.min()) for part in smooth)
     prominence = max(SMALLEST_RAD, SMALLEST_SHARE * amplitude)
-    count, strokes, turns = 0, list[tuple[float, float]](), list[float]()
+    count, strokes, turns = 0, list[tuple[float, float, float]](), list[float]()
     for span, part in zip(spans, smooth, strict=True):
         highs, _ = signal.find_peaks(part, prominence=prominence)
         lows, _ = signal.find_peaks(-part, prominence=prominence)
@@ -87,14 +89,15 @@ def cycles(t_s: Float64, movement_rad: Float64) -> Cycles:
         turns += [float(t) for t in span.t_s[highs if len(highs) >= len(lows) else lows]]
         strokes += _strokes(span, part, np.sort(np.concatenate((highs, lows))), prominence)
     rate = (len(turns) - 1) / (turns[-1] - turns[0]) if len(turns) >= 2 else math.nan
-    return Cycles(count, np.array(strokes, dtype=np.float64).reshape(-1, 2), rate, amplitude)
+    rows = np.array(strokes, dtype=np.float64).reshape(-1, 3)
+    return Cycles(count, rows[:, :2], rows[:, 2], rate, amplitude)
 
 
-def _strokes(span: Span, part: Float64, turns: Int64, smallest: float) -> list[tuple[float, float]]:
+def _strokes(span: Span, part: Float64, turns: Int64, smallest: float) -> list[tuple[float, float, float]]:
     """Stretches between neighbouring turning points (the ends of the span among them) that travel enough."""
     edges = [0, *(int(turn) for turn in turns), part.size - 1]
     return [
-        (float(span.t_s[a]), float(span.t_s[b]))
+        (float(span.t_s[a]), float(span.t_s[b]), abs(float(part[b] - part[a])))
         for a, b in pairwise(edges)
         if abs(float(part[b] - part[a])) >= smallest
     ]

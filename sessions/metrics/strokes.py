@@ -11,7 +11,7 @@ from scipy.special import stdtrit
 from sessions.metrics.filtering import low_pass, speed_m_s
 from sessions.metrics.metric import Estimate
 from sessions.metrics.movement import active_rows, movement_time, path_ratio, peak_speed
-from sessions.metrics.smoothness import ldlj, sparc
+from sessions.metrics.smoothness import ldlj, sparc_many
 from sessions.metrics.spans import uniform_spans
 from sessions.records.fields import Float64
 
@@ -58,13 +58,13 @@ def stroke_values(t_s: Float64, p_m: Float64, strokes_s: Float64) -> list[Stroke
     for span in uniform_spans(t_s, p_m):
         smooth = low_pass(span.values, span.rate_hz)
         step = 0.5 / span.rate_hz
+        pieces: list[Float64] = []
         for start, end in strokes_s:
             if start < span.t_s[0] - step or end > span.t_s[-1] + step:
                 continue
-            rows = (span.t_s >= start - step) & (span.t_s <= end + step)
-            values = _of_one(smooth[rows], span.rate_hz)
-            if values is not None:
-                found.append(values)
+            rows = slice(*np.searchsorted(span.t_s, (start - step, end + step)).tolist())
+            pieces.append(smooth[rows])
+        found += _of_many(pieces, span.rate_hz)
     return found
 
 
@@ -79,7 +79,7 @@ def over_strokes(values: list[Estimate]) -> Estimate:
         return Estimate.missing(values[0].reason if values else "no gap-free stroke of 5 mm or more")
     mean = float(known.mean())
     if known.size < FEWEST_FOR_INTERVAL:
-        return Estimate(mean)
+        return Estimate(mean, None, f"no interval: {known.size} of at least {FEWEST_FOR_INTERVAL}")
     half = float(stdtrit(known.size - 1, 0.975)) * float(known.std(ddof=1)) / math.sqrt(known.size)
     return Estimate(mean, (mean - half, mean + half))
 
@@ -107,28 +107,32 @@ def smoothness_floor(
     rest = np.zeros(round(0.5 * rate))
     tau = np.linspace(0.0, 1.0, max(8, round(duration * rate) + 1))
     travel = np.concatenate((rest, 10 * tau**3 - 15 * tau**4 + 6 * tau**5, rest + 1.0))
-    drawn: list[StrokeValues] = []
-    for _ in range(FLOOR_DRAWS):
-        p_m = rng.normal(0.0, noise_m, (travel.size, 3))
-        p_m[:, 0] += chord * travel
-        stroke = _of_one(low_pass(p_m, rate), rate)
-        if stroke is not None:
-            drawn.append(stroke)
+    p_m = rng.normal(0.0, noise_m, (FLOOR_DRAWS, travel.size, 3))
+    p_m[:, :, 0] += chord * travel
+    drawn = _of_many([low_pass(one, rate) for one in p_m], rate)
     return over_strokes([item.sparc for item in drawn]), over_strokes([item.ldlj for item in drawn])
 
 
-def _of_one(p_m: Float64, rate_hz: float) -> StrokeValues | None:
-    if len(p_m) < 2 or float(np.linalg.norm(np.ptp(p_m, axis=0))) < SMALLEST_STROKE_M:
-        return None
-    speed = speed_m_s(p_m, rate_hz)
-    rows = active_rows(speed)
-    path = p_m[rows]
-    return StrokeValues(
-        sparc(speed[rows], rate_hz),
-        ldlj(speed[rows], rate_hz),
-        movement_time(speed, rate_hz),
-        peak_speed(speed),
-        path_ratio(path),
-        float(np.linalg.norm(path[-1] - path[0])),
-        rate_hz,
-    )
+def _of_many(paths_m: list[Float64], rate_hz: float) -> list[StrokeValues]:
+    """Numbers of strokes (N, 3) that travelled far enough; their spectra are transformed together."""
+    paths = [
+        path
+        for path in paths_m
+        if len(path) >= 2 and float(np.linalg.norm(np.ptp(path, axis=0))) >= SMALLEST_STROKE_M
+    ]
+    speeds = [speed_m_s(path, rate_hz) for path in paths]
+    rows = [active_rows(speed) for speed in speeds]
+    profiles = [speed[used] for speed, used in zip(speeds, rows, strict=True)]
+    smooth = sparc_many(profiles, rate_hz)
+    return [
+        StrokeValues(
+            arc,
+            ldlj(profile, rate_hz),
+            movement_time(speed, rate_hz),
+            peak_speed(speed),
+            path_ratio(path[used]),
+            float(np.linalg.norm(path[used][-1] - path[used][0])),
+            rate_hz,
+        )
+        for path, speed, used, profile, arc in zip(paths, speeds, rows, profiles, smooth, strict=True)
+    ]

@@ -16,7 +16,9 @@ from sessions.metrics.hand_motion import (
     range_metrics,
     stroke_metrics,
 )
+from sessions.metrics.honest import honest
 from sessions.metrics.metric import Estimate, Metric, metric
+from sessions.metrics.opening_numbers import opening_metrics, rhythm_metrics
 from sessions.metrics.overlay import thin
 from sessions.metrics.recording import Origin, Recording, seconds
 from sessions.metrics.repetitions import Cycles
@@ -50,19 +52,21 @@ def measure_take(recording: Recording) -> Summary:
         *repetition_metrics(motion, cycles, origin),
         *stroke_metrics(motion, cycles.strokes_s, origin),
         *active_motion_metrics(motion, origin),
+        *opening_metrics(motion, header.subject_hand, origin),
+        *rhythm_metrics(motion, cycles, origin),
         metric("fit_residual", "whole", fit_residual(residual), origin.lineage((HAND_POSE,), motion.t_ns)),
         *_marker_metrics(recording, origin),
     ]
     t_s = seconds(motion.t_ns)
     shown = Overlay("the whole take", thin(t_s, motion.joints_rad, motion.usable_tips()), None)
-    return Summary(header, recording.sha256, float(t_s[-1]), (), "", tuple(numbers), (), (), shown)
+    return Summary(header, recording.sha256, float(t_s[-1]), (), "", tuple(honest(numbers)), (), (), shown)
 
 
 def repetition_metrics(motion: HandMotion, found: Cycles, origin: Origin) -> list[Metric]:
     """How often and how fast the main movement was repeated."""
     lineage = origin.lineage((motion.topic,), motion.t_ns)
     rate = (
-        Estimate(found.rate_hz)
+        Estimate(found.rate_hz, _rate_interval(found, motion))
         if math.isfinite(found.rate_hz)
         else Estimate.missing("fewer than two repetitions")
     )
@@ -74,6 +78,14 @@ def repetition_metrics(motion: HandMotion, found: Cycles, origin: Origin) -> lis
         metric("repetitions", "whole", count, lineage),
         metric("repetition_rate", "whole", rate, lineage),
     ]
+
+
+def _rate_interval(found: Cycles, motion: HandMotion) -> tuple[float, float]:
+    """Each turning point is known to one frame."""
+    frame_s = float(np.median(np.diff(motion.t_ns))) * 1e-9
+    turns_s = max(found.count - 1, 1) / found.rate_hz
+    relative = 2.0 * frame_s / turns_s
+    return (max(0.0, found.rate_hz * (1.0 - relative)), found.rate_hz * (1.0 + relative))
 
 
 def _motion(rows: Any) -> HandMotion:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sessions.errors import Refused
+from sessions.metrics.device_end import at_device_end, ends_of
 from sessions.metrics.dose import dose_completed, time_in
 from sessions.metrics.followed import Followed, decomposed_metrics, followed_by, pair, tracking_metrics
 from sessions.metrics.hand_motion import (
@@ -17,9 +18,12 @@ from sessions.metrics.hand_motion import (
     stroke_metrics,
 )
 from sessions.metrics.metric import Estimate, Metric, metric
+from sessions.metrics.opening_numbers import opening_metrics
 from sessions.metrics.overlay import thin
 from sessions.metrics.recording import ACTIVE_PHASES, Origin, Phases, Recording, read_phases, seconds
 from sessions.metrics.robot_blocks import RobotTicks, effort_metrics, read_robot, read_stiffness
+from sessions.metrics.separated import PassiveRun, separated_metrics
+from sessions.metrics.started import start_metrics
 from sessions.metrics.summary import Overlay, Repetition, Stop, Summary
 from sessions.metrics.support import assistance, conditions, modes, support_metrics
 from sessions.records.topics import EVENTS, PATIENT_POSE, PHASE, REFERENCE
@@ -37,8 +41,13 @@ class _Read:
     conditions: str
 
 
-def measure_therapy(recording: Recording) -> Summary:
+def measure_therapy(recording: Recording, passive: PassiveRun | None = None) -> Summary:
     """All numbers of a therapy session.
+
+    Args:
+        recording: The opened file.
+        passive: A passive run of the same hand, day and device, to be taken off; by default the session's own
+            passive repetitions.
 
     Raises:
         Refused: The file holds no patient pose or no reference.
@@ -48,16 +57,20 @@ def measure_therapy(recording: Recording) -> Summary:
     repetitions = _repetitions(read)
     moving = read.phases.active_repetition(read.patient.t_ns) >= 0
     strokes = main_cycles(read.patient, moving).strokes_s
-    passive = "passive" in modes(read.phases) or "assistive" in modes(read.phases)
+    moved = "passive" in modes(read.phases) or "assistive" in modes(read.phases)
+    ends = ends_of(recording.header.limits, recording.header.robot_joints)
     numbers = [
         *tracking_metrics(read.followed, read.origin, read.conditions),
         *decomposed_metrics(read.followed, read.origin, read.conditions),
         *support,
+        *start_metrics(read.phases, read.followed, read.origin),
         *effort_metrics(read.robot, read.origin),
+        *separated_metrics(recording, read.phases, read.origin, passive),
         *_dose(read, repetitions, stops, recording.header.prescription),
-        *range_metrics(read.patient, read.origin),
+        *at_device_end(range_metrics(read.patient, read.origin), ends),
         *stroke_metrics(read.patient, strokes, read.origin),
-        *active_motion_metrics(read.patient, read.origin, "the robot moved the hand" if passive else ""),
+        *active_motion_metrics(read.patient, read.origin, "the robot moved the hand" if moved else ""),
+        *opening_metrics(read.patient, recording.header.subject_hand, read.origin),
     ]
     t_ns = read.patient.t_ns
     return Summary(

@@ -23,6 +23,8 @@ def rmse(values: Float64, reference: Float64, std: Float64) -> Estimate:
         reference: Therapist at the same path coordinate, same shape.
         std: Standard deviation of each row, per axis, shape (N,); NaN where unknown: then no interval.
     """
+    if not values.size:
+        return Estimate.missing("no sample was measured while the reference was played")
     error = (values - reference).reshape(len(values), -1)
     used = np.isfinite(error).all(axis=1)
     if not bool(used.any()):

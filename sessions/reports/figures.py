@@ -66,7 +66,7 @@ def paths_picture(overlay: Overlay, key: str) -> str:
     digits = [column for column in range(len(DIGITS)) if travel[column] >= least]
     if not digits:
         return ""
-    figure = _figure(7.4, 3.0 if len(digits) <= 3 else 2.4)
+    figure = new_figure(7.4, 3.0 if len(digits) <= 3 else 2.4)
     beside = len(digits) <= FEW_DIGITS
     panels = _row(figure, 2 * len(digits) if beside else len(digits))
     for place, column in enumerate(digits):
@@ -77,7 +77,7 @@ def paths_picture(overlay: Overlay, key: str) -> str:
     panels[0].set_ylabel("out of the palm (mm)")
     figure.supxlabel("paths: towards the fingers (mm)" if beside else "towards the fingers (mm)", fontsize=9)
     _legend(figure, panels[0])
-    return _svg(figure, key, f"Fingertip paths seen from the thumb's side, {overlay.shown}")
+    return svg(figure, key, f"Fingertip paths seen from the thumb's side, {overlay.shown}")
 
 
 @drawing()
@@ -95,7 +95,7 @@ def joints_picture(summary: Summary, key: str) -> str:
     if not chosen:
         return ""
     rows = (len(chosen) + 2) // 3
-    figure = _figure(7.4, 1.75 * rows + 0.5)
+    figure = new_figure(7.4, 1.75 * rows + 0.5)
     grid: Any = figure.subplots(rows, 3, sharex=True, squeeze=False)
     for place, axes in enumerate(grid.flat):
         if place >= len(chosen):
@@ -111,7 +111,7 @@ def joints_picture(summary: Summary, key: str) -> str:
         if place % 3 == 0:
             axes.set_ylabel("angle (°)")
     _legend(figure, grid.flat[0])
-    return _svg(figure, key, f"Joint angles against time, {overlay.shown}")
+    return svg(figure, key, f"Joint angles against time, {overlay.shown}")
 
 
 @drawing()
@@ -120,7 +120,7 @@ def repetitions_picture(summary: Summary, key: str) -> str:
     known = [item for item in summary.repetitions if item.rmse_rad == item.rmse_rad]
     if len(known) < 2:
         return ""
-    figure = _figure(7.4, 2.3)
+    figure = new_figure(7.4, 2.3)
     left, right = _row(figure, 2)
     number = [item.index + 1 for item in known]
     left.bar(number, [float(np.rad2deg(item.rmse_rad)) for item in known], 0.6, color=PATIENT["color"])
@@ -139,7 +139,7 @@ def repetitions_picture(summary: Summary, key: str) -> str:
         axes.set_xticks(number if len(number) <= 12 else number[:: max(1, len(number) // 10)])
     if right.lines:
         right.legend(loc="best", fontsize=8, ncols=2)
-    return _svg(figure, key, f"Joint error and assistance by repetition, at {summary.conditions}")
+    return svg(figure, key, f"Joint error and assistance by repetition, at {summary.conditions}")
 
 
 def _path(axes: Axes, overlay: Overlay, column: int, extent_mm: float) -> None:
@@ -192,7 +192,8 @@ def _same_scale(axes: Axes, overlay: Overlay, column: int, extent_mm: float) -> 
     axes.set_aspect("equal")
 
 
-def _figure(width_in: float, height_in: float) -> Figure:
+def new_figure(width_in: float, height_in: float) -> Figure:
+    """An empty figure of this size in inches."""
     from matplotlib.figure import Figure as Canvas
 
     return Canvas(figsize=(width_in, height_in), layout="constrained")
@@ -209,7 +210,7 @@ def _legend(figure: Figure, axes: Axes) -> None:
         figure.legend(handles, labels, loc="outside upper right", ncols=2, fontsize=9, handlelength=3.5)
 
 
-def _svg(figure: Figure, key: str, label: str) -> str:
+def svg(figure: Figure, key: str, label: str) -> str:
     """The figure as an <svg> element whose ids are its own, with a label for screen readers."""
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})

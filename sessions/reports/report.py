@@ -8,7 +8,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from sessions.errors import Refused
-from sessions.metrics import Summary, measure_file
+from sessions.metrics import Summary
+from sessions.reports.recorded import measure_recorded
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +37,7 @@ def build_report(paths: Sequence[Path], software_version: str = "") -> Report:
     """
     if not paths:
         raise Refused("report", "about no file", "about one file or more", "name a take or session")
-    return Report(tuple(measure_file(path) for path in paths), software_version or installed_version())
+    return Report(tuple(measure_recorded(path) for path in paths), software_version or installed_version())
 
 
 def installed_version() -> str:

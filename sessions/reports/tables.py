@@ -82,8 +82,8 @@ class Table:
 
 
 @dataclass(slots=True)
-class Notes:
-    """Numbered remarks; the same words get the same number."""
+class Remarks:
+    """Numbered remarks, while a page is written; the same words get the same number."""
 
     texts: list[str] = field(default_factory=list[str])
 
@@ -100,7 +100,7 @@ class Notes:
         return self.texts.index(text) + 1
 
 
-def joint_tables(summary: Summary, notes: Notes) -> tuple[Table, Table]:
+def joint_tables(summary: Summary, notes: Remarks) -> tuple[Table, Table]:
     """Joints that moved or were driven, and the other joints."""
     found = {item.subject: item for item in summary.named("range_of_motion")}
     driven = set(summary.header.robot_joints)
@@ -116,18 +116,18 @@ def joint_tables(summary: Summary, notes: Notes) -> tuple[Table, Table]:
     )
 
 
-def digit_table(summary: Summary, notes: Notes) -> Table:
+def digit_table(summary: Summary, notes: Remarks) -> Table:
     """Digits as columns would not fit a page: one row per digit."""
     return _by_subject("Fingertips", summary, BY_DIGIT, DIGITS, notes)
 
 
-def error_table(summary: Summary, notes: Notes) -> Table:
+def error_table(summary: Summary, notes: Remarks) -> Table:
     """What the fingertips' error against the therapist is made of; without rows for a take."""
     there = any(summary.named(name) for name in OF_THE_ERROR)
     return _by_subject("Error taken apart", summary, OF_THE_ERROR, DIGITS if there else (), notes)
 
 
-def marker_table(summary: Summary, notes: Notes) -> Table:
+def marker_table(summary: Summary, notes: Remarks) -> Table:
     """Markers that were not seen all the time; without rows where all were, or the file has none."""
     gaps = [item.subject for item in summary.named("valid_share") if not item.value >= 1.0]
     rest = len(summary.named("valid_share")) - len(gaps)
@@ -135,7 +135,7 @@ def marker_table(summary: Summary, notes: Notes) -> Table:
     return _by_subject(title, summary, BY_MARKER, gaps, notes)
 
 
-def overall_table(summary: Summary, notes: Notes) -> Table:
+def overall_table(summary: Summary, notes: Remarks) -> Table:
     """Numbers of the whole file."""
     rows: list[Row] = []
     for name in OVERALL:
@@ -179,7 +179,7 @@ def heading(name: str) -> str:
 
 
 def _by_subject(
-    title: str, summary: Summary, names: Iterable[str], subjects: Iterable[str], notes: Notes
+    title: str, summary: Summary, names: Iterable[str], subjects: Iterable[str], notes: Remarks
 ) -> Table:
     """Subjects down, metrics across; metrics that the file does not have at all are left out."""
     chosen = [name for name in names if any(item.subject != "whole" for item in summary.named(name))]
@@ -191,7 +191,7 @@ def _by_subject(
     return Table(title, ("", *(heading(name) for name in chosen)), tuple(rows))
 
 
-def _cell(item: Metric, notes: Notes, summary: Summary) -> Cell:
+def _cell(item: Metric, notes: Remarks, summary: Summary) -> Cell:
     floor = summary.metric(f"{item.name}_floor", item.subject)
     lowest = number(floor.name, floor.unit, floor.value) if floor and floor.measurable else ""
     return Cell(number(item.name, item.unit, item.value), interval(item), notes.of(item), lowest)

@@ -155,6 +155,14 @@ class SessionReader:
                     return read_metadata(self._source, index)
         return None
 
+    def unpacked(self) -> Iterator[memoryview]:
+        """The records inside every chunk, unpacked and proven, in the order of the file.
+
+        Raises:
+            Damaged: A chunk is not where or what the index says, or fails its CRC.
+        """
+        return (read_chunk(self._source, index) for index in self.summary.chunks)
+
     def _messages(self, topic: Topic, start_ns: int | None, end_ns: int | None) -> Iterator[list[RawMessage]]:
         """The messages of a topic that may reach into a time range, chunk by chunk."""
         channels = {item.id for item in self.summary.channels.values() if item.topic == topic.name}

@@ -24,7 +24,8 @@ READ_S = 0.2
 class Browser:
     """One signed-in page."""
 
-    def __init__(self, host: str, cookie: str, token: str) -> None:
+    def __init__(self, host: str, cookie: str, token: str, read_s: float) -> None:
+        self._read_s = read_s
         self._host = host
         self._cookie = cookie
         self._token = token
@@ -68,7 +69,7 @@ class Browser:
             max_size=None,
             ping_interval=None,
         ) as line:
-            while not self._ended.wait(READ_S):
+            while not self._ended.wait(self._read_s):
                 try:
                     line.recv(timeout=1.0)
                 except TimeoutError:
@@ -80,7 +81,8 @@ class Browser:
 
 def main() -> None:
     asked: dict[str, Any] = json.loads(sys.stdin.readline())
-    browsers = [Browser(asked["host"], one["cookie"], one["token"]) for one in asked["browsers"]]
+    read_s = float(asked.get("read_s", READ_S))
+    browsers = [Browser(asked["host"], one["cookie"], one["token"], read_s) for one in asked["browsers"]]
     for browser in browsers:
         browser.start()
     sys.stdin.readline()

@@ -59,7 +59,7 @@ def served(clinic: Clinic) -> Iterator[tuple[str, Any]]:
 def looked_at(host: str, app: Any) -> Iterator[list[dict[str, Any]]]:
     """Five browsers in a process of their own; their figures once it is over."""
     seal, figures = app.state.site.seal, list[dict[str, Any]]()
-    issued = [seal.issue("therapist") for _ in range(BROWSERS)]
+    issued = [app.state.site.begin("therapist") for _ in range(BROWSERS)]
     asked = [{"cookie": f"{COOKIE}={one}", "token": seal.form_token(seal.read(one))} for one in issued]
     script = Path(__file__).with_name("slow_browsers.py")
     with subprocess.Popen(

@@ -86,7 +86,7 @@ def test_a_side_that_was_corrected_after_planning_is_found(clinic: Clinic) -> No
     try:
         refused(clinic, prepared, "on record")
     finally:
-        clinic.catalogue.change_patient(kept)
+        clinic.catalogue.change_patient(replace(kept, version=kept.version + 1))
 
 
 def test_limits_of_the_other_hand_are_not_used(clinic: Clinic, tmp_path: Path) -> None:

@@ -87,7 +87,8 @@ for (const tab of tabs) {
   tab.addEventListener("click", () => choose(tab));
   tab.addEventListener("keydown", (event) => {
     if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
-    const other = tabs.find((item) => item !== tab);
+    const step = event.key === "ArrowRight" ? 1 : tabs.length - 1;
+    const other = tabs[(tabs.indexOf(tab) + step) % tabs.length];
     choose(other);
     other.focus();
   });
@@ -117,17 +118,19 @@ function figure(name, text) {
 
 function showPatient() {
   const chosen = document.querySelector("select[name=patient]").selectedOptions[0];
-  const them = now.busy || now.state === "stopped" ? now.patient : null;
+  const them = now.busy || now.state === "stopped" ? now.patient : now.session_course?.who;
   const recording = ["countdown", "recording", "processing"].includes(now.state);
   if (recording) {
     fill("name", "Recording a demonstration"); fill("born", ""); fill("side", now.side.toUpperCase() + " hand");
+  } else if (now.busy && !them) {
+    fill("name", "Demonstration, no patient"); fill("born", ""); fill("side", now.side.toUpperCase() + " hand");
   } else if (them) {
     fill("name", them.name); fill("born", "born " + them.born); fill("side", them.side.toUpperCase() + " hand");
   } else if (chosen && chosen.value) {
     fill("name", chosen.dataset.name); fill("born", chosen.dataset.born);
     fill("side", chosen.dataset.side.toUpperCase() + " hand");
   } else {
-    fill("name", "No patient chosen"); fill("born", ""); fill("side", "");
+    fill("name", "Demonstration, no patient"); fill("born", ""); fill("side", "");
   }
 }
 
@@ -155,6 +158,7 @@ function show(state) {
   if (performance.now() > refusedUntil) say(now.message, now.state === "failed" ? "bad" : now.paused ? "caution" : "");
   showDesk();
   if (now.state === "done" && now.take && !now.session && now.take !== knownTake) listTakes("");
+  document.dispatchEvent(new Event("live-state"));
   if (now.state !== lastState) { lastState = now.state; if (now.state === "done" || now.state === "failed") askLimits(); }
 }
 

@@ -9,8 +9,8 @@ from starlette.responses import PlainTextResponse, RedirectResponse, Response
 
 from rehab_app.errors import Refused
 from rehab_app.web.gateway.client_page import ClientPages
+from rehab_app.web.presence import account_of
 from rehab_app.web.site import Site
-from rehab_app.web.visit import account_of, ticket_of
 
 REFUSED_PARAMETERS = ("websocket", "playbackPath")
 _GONE = 404
@@ -25,7 +25,7 @@ def picture(request: Request, pages: ClientPages, port_of: Callable[[Site, str],
         port_of: The loopback port for the site and the recording in the path.
     """
     site: Site = request.app.state.site
-    account = account_of(site, ticket_of(site, request))
+    account = account_of(site, request)
     if account is None:
         return PlainTextResponse("Sign in first.", 401)
     if not account.may("view"):
@@ -37,6 +37,9 @@ def picture(request: Request, pages: ClientPages, port_of: Callable[[Site, str],
         page = pages.get(port_of(site, str(request.path_params.get("recording", ""))))
     except Refused as refusal:
         return PlainTextResponse(str(refusal), _GONE)
+    recording = str(request.path_params.get("recording", ""))
+    if recording:
+        site.clinic.audit.note_view(account, recording[:40], "review")
     headers = {
         "content-security-policy": page.policy,
         "x-frame-options": "SAMEORIGIN",

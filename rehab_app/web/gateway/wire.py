@@ -16,9 +16,9 @@ from rehab_app.access import Account, Verb
 from rehab_app.errors import Refused
 from rehab_app.web.gateway.messages import let_through
 from rehab_app.web.gateway.picture import REFUSED_PARAMETERS
+from rehab_app.web.presence import present
 from rehab_app.web.site import Site
 from rehab_app.web.viewport import LOOPBACK
-from rehab_app.web.visit import account_of, ticket_of
 
 # Small buffers: a slow browser's picture is then old by fractions of a second, and the viewport, which keeps
 # only the newest value of each property, skips what would be late anyway.
@@ -61,8 +61,9 @@ def _may_look(site: Site, browser: WebSocket) -> Account | None:
     """The account behind a websocket, None where it may not look or asks with a refused parameter."""
     if any(name in REFUSED_PARAMETERS for name in browser.query_params):
         return None
-    account = account_of(site, ticket_of(site, browser))
-    return account if account is not None and account.may("view") else None
+    there = present(site, browser)
+    # A page that is covered because nobody used it keeps its picture: it must not hold the movement under it.
+    return there.account if there is not None and there.account.may("view") else None
 
 
 async def _reach(port: int, protocol: str) -> ClientConnection:

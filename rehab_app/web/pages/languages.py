@@ -6,6 +6,7 @@ from starlette.requests import Request
 from starlette.responses import RedirectResponse, Response
 
 from rehab_app.web.language import COOKIE, LANGUAGES, SOURCE
+from rehab_app.web.presence import give_cookie
 from rehab_app.web.stop import is_local
 from rehab_app.web.visit import form_of
 
@@ -17,11 +18,5 @@ async def choose(request: Request) -> Response:
     form = await form_of(request)
     back, language = form.get("back", ""), form.get("language", "")
     answer = RedirectResponse(back if is_local(back) else "/", 303)
-    answer.set_cookie(
-        COOKIE,
-        language if language in LANGUAGES else SOURCE,
-        max_age=_YEAR_S,
-        httponly=True,
-        samesite="strict",
-    )
+    give_cookie(answer, COOKIE, language if language in LANGUAGES else SOURCE, _YEAR_S, request)
     return answer

@@ -6,12 +6,12 @@ from starlette.responses import JSONResponse, Response
 
 from rehab_app.errors import Refused
 from rehab_app.services.grip_target import choice_fields, grip_choice
+from rehab_app.services.journal_records import SKIN, SWELLING
 from rehab_app.services.recording_request import LIVE_KINDS, PROTOCOL, VIRTUAL
 from rehab_app.web.live_state import live_state
 from rehab_app.web.pages.asked import number
 from rehab_app.web.visit import Visit
 from rehab_app.web.words import EXERCISES, MODES, ROBOTS, SPACES, TWINS
-from sessions.records import DIGITS
 
 _MILLIMETRES = "a number of millimetres"
 _SECONDS = ("recording length", "a number of seconds")
@@ -32,6 +32,9 @@ def live(visit: Visit) -> Response:
         spaces=SPACES,
         chosen_patient=visit.request.query_params.get("patient", ""),
         chosen_take=visit.request.query_params.get("take", ""),
+        chosen_exercise=visit.request.query_params.get("exercise", "") or "open_close",
+        skin=SKIN,
+        swelling=SWELLING,
         aim=choice_fields(clinic.live.target.choice),
     )
 
@@ -79,7 +82,7 @@ def record(visit: Visit) -> Response:
         person=visit.asked("person"),
         consent_images=visit.asked("consent") == "yes",
     )
-    visit.site.operator.take_over(visit.asked("page"))
+    visit.site.operator.take_over(visit.asked("page"), visit.account.name)
     return visit.go("/live", "Recording starts after the countdown.")
 
 
@@ -114,17 +117,6 @@ def target(visit: Visit) -> Response:
     choice = grip_choice(kind, size_mm, visit.asked("grip") or "transverse", width_mm)
     visit.site.clinic.live.target.choose(visit.account, choice)
     return visit.go("/live", "No target grip." if choice is None else f"Target: {choice.words}.")
-
-
-def pain(visit: Visit) -> Response:
-    """Pain, by one tap: the run holds."""
-    digit = visit.asked("digit")
-    if digit and digit not in DIGITS:
-        raise Refused("digit", repr(digit[:20]), "one of " + ", ".join(DIGITS), "choose it from the list")
-    desk = visit.site.clinic.live
-    held = desk.snapshot().state == "playing"
-    desk.pain(visit.account, digit)
-    return visit.go("/live", "Pain is noted, the movement is held." if held else "Pain is noted.")
 
 
 def _camera(visit: Visit) -> str:

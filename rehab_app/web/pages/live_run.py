@@ -25,7 +25,7 @@ def play(visit: Visit) -> Response:
     visit.site.clinic.live.start_therapy(
         visit.account, patient, _take(visit), _order(visit), present=_present(visit, patient)
     )
-    visit.site.operator.take_over(visit.asked("page"))
+    visit.site.operator.take_over(visit.asked("page"), visit.account.name)
     return visit.go("/live", "Rehearsing on the virtual twin.")
 
 
@@ -47,7 +47,7 @@ def pause(visit: Visit) -> Response:
 
 def resume(visit: Visit) -> Response:
     """Go on; the page that resumes is the operator's from now on."""
-    visit.site.operator.take_over(visit.asked("page"))
+    visit.site.operator.take_over(visit.asked("page"), visit.account.name)
     visit.site.clinic.live.controls.resume(visit.account)
     return visit.go("/live", "Going on.")
 
@@ -115,7 +115,7 @@ def _assess(visit: Visit, kind: str) -> Response:
     visit.site.clinic.live.start_assessment(
         visit.account, kind, patient, _order(visit), present=_present(visit, patient)
     )
-    visit.site.operator.take_over(visit.asked("page"))
+    visit.site.operator.take_over(visit.asked("page"), visit.account.name)
     return visit.go("/live", "Rehearsing on the virtual twin.")
 
 

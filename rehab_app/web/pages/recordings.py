@@ -1,4 +1,4 @@
-"""Takes and sessions: lists, review with a time bar, approval, reports."""
+"""Sessions: the list, review with a time bar; reports of sessions and takes."""
 
 from __future__ import annotations
 
@@ -11,25 +11,6 @@ from rehab_app.web.visit import Visit
 from sessions.catalogue import Patient
 
 
-def takes(visit: Visit) -> Response:
-    """All takes, newest first."""
-    return visit.page("takes.html.j2", takes=visit.site.clinic.takes.list())
-
-
-def take(visit: Visit) -> Response:
-    """One take: look at it, then approve it."""
-    row = visit.site.clinic.takes.get(catalogue_id(visit.part("recording")))
-    return visit.page("take.html.j2", take=row, why_no_names=visit.site.clinic.marker_names.why_not(row.id))
-
-
-def approve(visit: Visit) -> Response:
-    """Approve exactly this file for play."""
-    named = catalogue_id(visit.part("recording"))
-    visit.site.clinic.takes.approve(named, visit.account)
-    back = "/live" if visit.asked("back") == "live" else f"/takes/{named}"
-    return visit.go(back, f"Take {named} is approved by {visit.account.name}.")
-
-
 def sessions(visit: Visit) -> Response:
     """All sessions, newest first."""
     rows = visit.site.clinic.sessions.list()
@@ -38,8 +19,18 @@ def sessions(visit: Visit) -> Response:
 
 def session(visit: Visit) -> Response:
     """One session with its replay."""
-    row = visit.site.clinic.sessions.get(catalogue_id(visit.part("recording")))
-    return visit.page("session.html.j2", session=row, patient=_patient(visit, row))
+    clinic = visit.site.clinic
+    row = clinic.sessions.get(catalogue_id(visit.part("recording")))
+    others = [one for one in clinic.sessions.list() if one.patient_id == row.patient_id and one.id != row.id]
+    chosen = visit.request.query_params.get("with", "")
+    return visit.page(
+        "session.html.j2",
+        session=row,
+        patient=_patient(visit, row),
+        others=others[:50],
+        second=next((one for one in others if one.id == chosen), None),
+        take_id=row.take_id if chosen == row.take_id else "",
+    )
 
 
 def report(visit: Visit) -> Response:

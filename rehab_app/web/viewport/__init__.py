@@ -2,6 +2,6 @@
 
 from rehab_app.web.viewport.live import LiveViewport
 from rehab_app.web.viewport.private_server import LOOPBACK
-from rehab_app.web.viewport.review import ReviewViewports
+from rehab_app.web.viewport.review import PAIRED, ReviewViewports
 
-__all__ = ["LOOPBACK", "LiveViewport", "ReviewViewports"]
+__all__ = ["LOOPBACK", "PAIRED", "LiveViewport", "ReviewViewports"]

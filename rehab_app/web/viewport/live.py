@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from rehab_app.services.clinic import Clinic
+from rehab_app.services.live_board import HISTORY_S
 from rehab_app.services.live_target import way_of
 from rehab_app.services.snapshot import BUSY, LiveSnapshot
 from rehab_app.web.viewport import verdict
@@ -33,7 +34,7 @@ class LiveViewport:
         self._desk = clinic.live
         snapshot = self._desk.snapshot()
         self._room = furnish("Live", snapshot.geometry)
-        self._panel = Panel(self._room, "time [s]")
+        self._panel = Panel(self._room, "seconds before now", (-HISTORY_S, 0.0))
         self._frame, self._fresh_s, self._seen = -1, time.monotonic(), False
         self._state: str = ""
         self._turn = 0
@@ -105,7 +106,7 @@ class LiveViewport:
         self._panel.mark(snapshot.frame)
         if snapshot.state in BUSY:
             t_s, error_mm = self._desk.error_history()
-            self._panel.chart.draw(t_s, error_mm)
+            self._panel.chart.draw(t_s - max(snapshot.t_s, t_s[-1] if t_s.size else 0.0), error_mm)
         jpeg = self._desk.camera_jpeg() if self._panel.camera.visible else None
         if jpeg is not None:
             image = cv2.imdecode(np.frombuffer(jpeg, dtype=np.uint8), cv2.IMREAD_COLOR)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 from collections.abc import Callable
 
 from rehab_app.web.viewport.scene import Room
+
+_AGAIN_S = 0.03
 
 
 class Painter:
@@ -38,5 +41,10 @@ class Painter:
     def _work(self) -> None:
         due = time.monotonic()
         while not self._ending.is_set():
-            due = max(due + self._paint(), time.monotonic())
+            # viser wakes its clients from this thread too; where one of them comes or leaves at that instant
+            # it raises. What was assigned is sent all the same, and the next turn draws the rest.
+            period_s = _AGAIN_S
+            with contextlib.suppress(RuntimeError):
+                period_s = self._paint()
+            due = max(due + period_s, time.monotonic())
             self._ending.wait(due - time.monotonic())

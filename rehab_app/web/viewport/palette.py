@@ -29,6 +29,8 @@ class Look:
 # viser's lights pale every colour: these are darker than they will look.
 PATIENT = Look(skin=(58, 118, 186), nail=(190, 212, 236), opacity=None, trail=(0, 72, 148), dashed=False)
 THERAPIST = Look(skin=(230, 120, 10), nail=(250, 190, 110), opacity=0.42, trail=(204, 92, 0), dashed=True)
+SECOND = Look(skin=(0, 112, 92), nail=(150, 214, 196), opacity=0.6, trail=(0, 92, 74), dashed=False)
+"""A second recording that the first is compared with."""
 TARGET: Rgb = (138, 0, 104)
 """Outline of a target grip: lines only, nothing filled."""
 THING: Rgb = (120, 126, 134)

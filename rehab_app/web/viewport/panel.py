@@ -14,7 +14,7 @@ from rehab_app.web.viewport.chart import ErrorChart
 from rehab_app.web.viewport.goal import goal_html
 from rehab_app.web.viewport.scene import VIEWS, Room, look_from
 
-_WIDTH_PX = 400
+_WIDTH_PX = 350
 
 
 class Panel:
@@ -23,9 +23,10 @@ class Panel:
     Args:
         room: What is drawn.
         x_label: Title of the chart's time axis.
+        span_s: Where that axis begins and ends.
     """
 
-    def __init__(self, room: Room, x_label: str) -> None:
+    def __init__(self, room: Room, x_label: str, span_s: tuple[float, float]) -> None:
         gui = room.server.gui
         gui.main_panel.dock_right()
         gui.main_panel.set_width(_WIDTH_PX)
@@ -37,7 +38,7 @@ class Panel:
         self.camera: Any = gui.add_image(
             np.full((240, 320, 3), 238, dtype=np.uint8), label="Camera", format="jpeg", visible=False
         )
-        self.chart = ErrorChart(room.server, x_label)
+        self.chart = ErrorChart(room.server, x_label, *span_s)
         self._legend: Any = gui.add_html("", visible=False)
         self._comparing, self._target = False, False
         self._add_views(room)

@@ -5,10 +5,8 @@ from __future__ import annotations
 import threading
 import time
 from collections import OrderedDict
-from typing import Any
 
 import numpy as np
-import viser
 
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.grip_finder import NO_GRIP
@@ -18,13 +16,16 @@ from rehab_app.web.viewport.aim import Aim
 from rehab_app.web.viewport.painter import Painter
 from rehab_app.web.viewport.panel import Panel
 from rehab_app.web.viewport.scene import furnish
+from rehab_app.web.viewport.second import Second
 from rehab_app.web.viewport.trails import POINTS
+from rehab_app.web.viewport.transport import Transport
 from rehab_app.web.viewport.verdict import Verdict, of_error
 from rehab_app.web.viewport.words import PHASES
 
 _HZ = 25.0
 _TRAIL_S = 2.5
-SPEEDS: dict[str, float] = {"¼×": 0.25, "½×": 0.5, "1×": 1.0, "2×": 2.0}
+PAIRED = "-"
+"""Joins the ids of two recordings that are shown together."""
 
 
 class ReviewViewport:
@@ -33,19 +34,21 @@ class ReviewViewport:
     Args:
         replay: What to show.
         label: Title of the browser tab.
+        second: Another recording to compare it with, None for none.
     """
 
-    def __init__(self, replay: Replay, label: str) -> None:
+    def __init__(self, replay: Replay, label: str, second: Replay | None = None) -> None:
         self._replay = replay
         self._end_s = float(replay.t_s[-1])
         self._room = furnish(label, replay.geometry)
-        self._add_transport()
-        self._panel = Panel(self._room, "time [s]")
+        self._room.server.gui.main_panel.dock_right()
+        self._transport = Transport(self._room.server, self._end_s, replay.repetitions_s)
+        self._second = None if second is None else Second(self._room, second, replay)
+        self._panel = Panel(self._room, "time [s]", (0.0, self._end_s))
         self._panel.compare(replay.fingertip_error_m is not None)
-        if replay.fingertip_error_m is not None:
-            self._panel.chart.draw(replay.t_s, 1e3 * replay.fingertip_error_m)
+        self._chart(0.0)
         self._aim, self._found = Aim(self._room.server), NO_GRIP
-        self._at_s, self._drawn_row, self._playing, self._turn = 0.0, -1, True, 0
+        self._drawn_row, self._turn = -1, 0
         self._painted_s = time.monotonic()
         self._painter = Painter(self._room, "review-viewport", self._paint)
 
@@ -58,80 +61,45 @@ class ReviewViewport:
         """Stop drawing and close the server."""
         self._painter.close()
 
-    def _add_transport(self) -> None:
-        gui = self._room.server.gui
-        gui.main_panel.dock_right()
-        self._button: Any = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE)
-        self._bar: Any = gui.add_slider("Time [s]", 0.0, round(max(self._end_s, 0.1), 2), 0.01, 0.0)
-        self._speed: Any = gui.add_button_group("Speed", tuple(SPEEDS))
-        self._loop: Any = gui.add_checkbox("Loop", True)
-        self._factor = 1.0
-
-        @self._button.on_click
-        def _toggle(_: viser.GuiEvent[Any]) -> None:
-            self._play(not self._playing)
-
-        @self._bar.on_update
-        def _moved(event: viser.GuiEvent[Any]) -> None:
-            if event.client is not None:  # moved by a person, not by the replay itself
-                self._seek(self._bar.value)
-
-        @self._speed.on_click
-        def _pace(_: viser.GuiEvent[Any]) -> None:
-            self._factor = SPEEDS.get(str(self._speed.value), self._factor)
-
-    def _seek(self, value: Any) -> None:
-        """Go to a time; a client may send anything, whatever the bar's ends are."""
-        if isinstance(value, int | float) and np.isfinite(value):
-            self._at_s = min(max(float(value), 0.0), self._end_s)
-            self._play(False)
-
-    def _play(self, playing: bool) -> None:
-        if playing and self._at_s >= self._end_s:
-            self._at_s = 0.0
-        self._playing = playing
-        self._button.label = "Pause" if playing else "Play"
-        self._button.icon = viser.Icon.PLAYER_PAUSE if playing else viser.Icon.PLAYER_PLAY
-
     def _paint(self) -> float:
         """Advance by the time since the last picture and draw."""
         now_s = time.monotonic()
-        if self._playing:
-            self._advance((now_s - self._painted_s) * self._factor)
+        self._transport.advance(now_s - self._painted_s)
         self._painted_s = now_s
         self._draw()
         return 1.0 / _HZ
 
-    def _advance(self, by_s: float) -> None:
-        self._at_s += by_s
-        if self._at_s < self._end_s:
-            return
-        if self._loop.value:
-            self._at_s = 0.0
-        else:
-            self._at_s = self._end_s
-            self._play(False)
-
     def _draw(self) -> None:
-        replay, self._turn = self._replay, self._turn + 1
-        row = max(min(int(np.searchsorted(replay.t_s, self._at_s, side="right")) - 1, replay.t_s.size - 1), 0)
-        found = self._aim.found(replay.geometry)
-        if row == self._drawn_row and found == self._found:
+        replay, at_s, self._turn = self._replay, self._transport.at_s, self._turn + 1
+        row = max(min(int(np.searchsorted(replay.t_s, at_s, side="right")) - 1, replay.t_s.size - 1), 0)
+        found, second = self._aim.found(replay.geometry), self._second
+        anew = found != self._found or (second is not None and second.changed)
+        if row == self._drawn_row and not anew:
             return
-        anew = found != self._found
         self._drawn_row, self._found = row, found
         reference = replay.reference_joints_rad
         with self._room.server.atomic():
             self._room.draw(
                 replay.geometry, replay.patient_joints_rad[row], None if reference is None else reference[row]
             )
-            if self._playing:
-                self._bar.value = round(float(replay.t_s[row]), 2)
-            if self._turn % 3 == 0 or not self._playing or anew:
+            if second is not None:
+                second.changed = False
+                second.draw(at_s)
+            if self._transport.playing:
+                self._transport.show(float(replay.t_s[row]))
+            if self._turn % 3 == 0 or not self._transport.playing or anew:
                 self._beside(row)
+                self._chart(at_s)
                 target = found.target
                 joints = replay.patient_joints_rad[row]
                 self._panel.aim(found, None if target is None else way_to_go(target, joints))
+
+    def _chart(self, at_s: float) -> None:
+        """The error, with a mark where the picture is, and that of the second recording."""
+        error, second = self._replay.fingertip_error_m, self._second
+        if error is not None:
+            t_s = self._replay.t_s
+            self._panel.chart.draw(t_s, 1e3 * error, at_s, None if second is None else second.error_mm(t_s))
 
     def _beside(self, row: int) -> None:
         """Trails, card and chart."""
@@ -166,6 +134,12 @@ class ReviewViewport:
     def _facts(self, row: int) -> tuple[tuple[str, str], ...]:
         replay = self._replay
         rows = [("Time", f"{replay.t_s[row]:.1f} of {self._end_s:.1f} s")]
+        if self._transport.repetitions:
+            rows.append(("Repetition", f"{self._transport.repetition()} of {self._transport.repetitions}"))
+        if self._second is not None:
+            error_mm = self._second.error_now_mm(self._transport.at_s)
+            said = f"error {error_mm:.1f} mm" if np.isfinite(error_mm) else "not compared now"
+            rows.append(("Second recording, green", said))
         if replay.phases:
             rows.append(("Phase", PHASES.get(replay.phases[row], replay.phases[row])))
         past = [
@@ -192,14 +166,17 @@ class ReviewViewports:
         self._lock = threading.Lock()
 
     def port_for(self, named: str) -> int:
-        """Loopback port that replays a session or take, opened if it is not.
+        """Loopback port that replays a session or take, or two of them joined by ``PAIRED``, opened if not.
 
         Raises:
             Refused: There is no such recording, or its file is damaged.
         """
         with self._lock:
             if named not in self._open:
-                self._open[named] = ReviewViewport(self._clinic.sessions.replay(named), "Review")
+                first, _, second = named.partition(PAIRED)
+                shown = self._clinic.sessions.replay(first)
+                beside = self._clinic.sessions.replay(second) if second else None
+                self._open[named] = ReviewViewport(shown, "Review", beside)
             self._open.move_to_end(named)
             while len(self._open) > self._most:
                 self._open.popitem(last=False)[1].close()

@@ -17,7 +17,7 @@ from robot_iface.types import Float64
 
 _FLOOR_M = -0.085
 # Palm frame in the room: fingers up (z), palm to the first camera (-y), a right hand's thumb to the right.
-_Q_WORLD_PALM_WXYZ = (0.5**0.5, 0.0, 0.0, -(0.5**0.5))
+Q_WORLD_PALM_WXYZ = (0.5**0.5, 0.0, 0.0, -(0.5**0.5))
 _TARGET_M = np.array([0.0, -0.02, 0.075])
 VIEWS: dict[str, tuple[float, float, float]] = {
     "Palm": (0.17, -0.30, 0.17),
@@ -73,7 +73,7 @@ def furnish(label: str, geometry: HandGeometry) -> Room:
     server.scene.set_up_direction("+z")
     server.scene.set_background_image(np.full((2, 2, 3), FLOOR, dtype=np.uint8))
     _light(server)
-    server.scene.add_frame("/hand", show_axes=False, wxyz=_Q_WORLD_PALM_WXYZ)
+    server.scene.add_frame("/hand", show_axes=False, wxyz=Q_WORLD_PALM_WXYZ)
     patient = DrawnHand(server, "/hand/patient", geometry, PATIENT, palm=True)
     therapist = DrawnHand(server, "/hand/therapist", geometry, THERAPIST, palm=False)
     patient_trail = Trails(server, "/hand/patient_trail", PATIENT)

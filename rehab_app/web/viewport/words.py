@@ -22,6 +22,8 @@ PHASES = {
     "hook": "Bend the fingers, knuckles straight",
     "fist": "Make a fist",
     "check": "Let the hand rest: joint by joint",
+    "fold": "Bending gently to the start",
+    "stretch": "Let the hand be stretched",
     "rest-proposed": "Rest for a minute",
     "skin-check": "Time to look at the skin",
 }

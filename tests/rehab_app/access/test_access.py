@@ -9,8 +9,8 @@ from rehab_app.errors import Refused
 # Which role may use which verb, written down a second time: a change of the table must be meant.
 TABLE = {
     "administrator": set(VERBS),
-    "therapist": {"view", "record", "approve", "prescribe", "play", "stop", "clear_stop"},
-    "assistant": {"view", "record", "play", "stop"},
+    "therapist": {"view", "note", "record", "approve", "prescribe", "play", "stop", "clear_stop", "export"},
+    "assistant": {"view", "note", "record", "play", "stop"},
     "patient": {"stop"},
     "auditor": {"view", "stop", "audit"},
 }

@@ -12,6 +12,7 @@ from rehab_app.access import CONSOLE, Account
 from rehab_app.bootstrap import open_clinic
 from rehab_app.errors import REFUSALS, Refused
 from rehab_app.services.assessed import device_ends, fit_to_json, neutral_from_json
+from rehab_app.services.assessment import Assessment
 from rehab_app.services.limits_json import limits_from_json
 from rehab_app.services.order import Order
 from rehab_app.services.sweep_postures import POSTURES, postures_of
@@ -105,7 +106,7 @@ def test_a_fit_check_is_kept_and_the_next_is_compared_with_it(clinic):
 def test_a_fit_that_is_asked_for_and_not_good_stops_everything(clinic, monkeypatch):
     checked = clinic.assessment.require_fit("P-0001", Order(), actor=CONSOLE)
     bad = replace(checked, result=replace(checked.result, verdict="index_pip sticks"))
-    monkeypatch.setattr(type(clinic.assessment), "check_fit", lambda *_, **__: bad)
+    monkeypatch.setattr(Assessment, "check_fit", lambda *_, **__: bad)
     with pytest.raises(Refused, match="index_pip sticks"):
         clinic.assessment.require_fit("P-0001", Order(), actor=CONSOLE)
     with pytest.raises(Refused, match="--patient"):

@@ -227,6 +227,13 @@ def test_no_range_beyond_the_base_or_that_does_not_open(room, low, high):
         room.acts.set_range(THERAPIST, "P-0001", "index_pip", np.deg2rad(low), np.deg2rad(high), reason="x")
 
 
+def test_a_range_that_no_movement_fits_into_is_refused(room):
+    with pytest.raises(Refused, match=r"20 to 20.1 degrees.*5 degrees or wider"):
+        room.acts.set_range(THERAPIST, "P-0001", "index_pip", np.deg2rad(20.0), np.deg2rad(20.1))
+    today = room.acts.set_range(THERAPIST, "P-0001", "index_pip", np.deg2rad(20.0), np.deg2rad(25.0))
+    assert np.isclose(today.limits.q_max_rad[PIP] - today.limits.q_min_rad[PIP], np.deg2rad(5.0))
+
+
 def test_a_range_that_a_measurement_closes_is_refused_instead_of_turned_round(room):
     room.acts.set_range(ASSISTANT, "P-0001", "index_pip", np.deg2rad(70.0), np.deg2rad(100.0))
     room.measure(q_max_rad=np.full(12, np.deg2rad(50.0)))

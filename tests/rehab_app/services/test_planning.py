@@ -218,6 +218,12 @@ def test_a_patient_of_any_hand_size_may_play_a_robot_that_nobody_wears(clinic):
     clinic.therapy.check_patient(prepared, small.id)
 
 
+def test_a_lock_protects_only_a_hand_that_is_in_the_robot(clinic):
+    prepared = plan(clinic, replace(ONE, device="dlr-hit-ii"), patient_id="P-0001")
+    state(clinic, diagnosis="crps")
+    clinic.therapy.check_patient(prepared, "P-0001")
+
+
 def test_a_robot_that_nobody_wears_has_its_own_limits(clinic, monkeypatch):
     bare = replace(capabilities("exoskeleton"), worn=False)
     monkeypatch.setattr(planning, "capabilities", lambda name: bare)
@@ -226,6 +232,13 @@ def test_a_robot_that_nobody_wears_has_its_own_limits(clinic, monkeypatch):
     assert np.array_equal(prepared.plan.limits.q_min_rad, bare.q_min_rad)
     assert np.rad2deg(prepared.plan.limits.flexion_speed_rad_s.max()) < 200.0
     assert any("not worn" in note for note in prepared.notes)
+
+
+@pytest.mark.parametrize(("warm_up", "repetitions"), [(5, 3), (1, 0)])
+def test_a_warm_up_that_never_ends_is_refused(warm_up, repetitions):
+    with pytest.raises(REFUSALS, match="repetitions"):
+        Order(warm_up=warm_up, repetitions=repetitions).prescription()
+    assert Order(warm_up=3, repetitions=3).prescription().warm_up_repetitions == 3
 
 
 def test_a_completed_assistive_session_is_remembered_and_its_order_kept(clinic):

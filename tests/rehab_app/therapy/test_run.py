@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
 from rehab_app.errors import RobotRefused
 from rehab_app.therapy.run import record_run, session_header
 from rehab_app.therapy.run_poses import COUPLED_STD_RAD, UNSEEN_STD_RAD, WornHand
+from rehab_app.therapy.run_recorder import RunRecorder
 from robot_iface.kinematics import average_hand, forward
 from robot_iface.safety import shipped_limits
 from robot_iface.types import (
@@ -34,7 +37,7 @@ from sessions.records.topics import (
     ROBOT_STATE,
     TRANSFORMS,
 )
-from sessions.store import SessionReader, verify
+from sessions.store import SessionReader, recover, verify
 
 DRIVEN = ("thumb_ip", "index_mcp_flexion", "index_pip", "little_pip")
 ENCODER_STD = 1e-3
@@ -133,7 +136,34 @@ def test_everything_that_was_reported_is_in_the_file(tmp_path):
     assert header.parents == ("ab" * 32,)
     assert '"repetitions":3' in header.prescription
     assert "ef" * 32 in header.certificate
-    assert "tau_interaction_nm" in header.limits
+    held = json.loads(header.limits)
+    assert held["q_max_rad"] == plan().limits.q_max_rad.tolist()
+    assert held["device_min_rad"] == DEVICE.q_min_rad.tolist()
+    assert held["device_max_rad"] == DEVICE.q_max_rad.tolist()
+
+
+@pytest.mark.parametrize("mode", ["transparent", "resistive"])
+def test_a_robot_that_only_measures_or_resists_neither_starts_nor_helps(mode):
+    written = []
+    hand = WornHand(average_hand(0.18, "left"), DRIVEN, ENCODER_STD)
+    recorder = RunRecorder(lambda _, record: written.append(record), hand, DRIVEN, mode)
+    for starter in ("robot", "patient", ""):
+        recorder.take(PhaseChange(0, 0, "move", starter, 0.0, 1.0, np.full(4, 3.0)))
+    assert [row.started_by for row in written] == ["", "patient", ""]
+    assert all(np.isnan(row.assistance).all() for row in written)
+
+
+def test_a_motion_process_that_dies_names_the_way_to_get_the_file_back(tmp_path):
+    def dying():
+        yield from list(messages())[:5]
+        raise RobotRefused("the motion process", "gone", "running", "look at the patient")
+
+    with pytest.raises(RobotRefused) as refusal:
+        record(tmp_path, dying())
+    (partial,) = tmp_path.glob("*.partial.mcap")
+    assert f"rehab-app recover {partial}" in refusal.value.remedy
+    assert "look at the patient" in refusal.value.remedy
+    assert recover(partial).records > 0
 
 
 def test_patient_and_reference_share_their_times_at_100_hz(tmp_path):

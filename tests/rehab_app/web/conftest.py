@@ -84,8 +84,8 @@ class Browser:
         self.token = ""
         if role is not None:
             seal = app.state.site.seal
-            cookie = seal.issue(role)
-            self.cookies.set(COOKIE, cookie)
+            cookie = app.state.site.begin(role)
+            self.cookies.set(COOKIE, cookie, domain="localhost.local", path="/")
             self.token = seal.form_token(seal.read(cookie))
 
     def send(self, method, path, **content):

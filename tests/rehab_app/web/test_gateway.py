@@ -67,7 +67,7 @@ def look(served):
     host, app = served
 
     def opened(role="therapist", path="/live/view", origin=None, protocol=PROTOCOL):
-        headers = {} if role is None else {"Cookie": f"{COOKIE}={app.state.site.seal.issue(role)}"}
+        headers = {} if role is None else {"Cookie": f"{COOKIE}={app.state.site.begin(role)}"}
         return connect(
             f"ws://{host}{path}",
             origin=f"http://{host}" if origin is None else origin,
@@ -83,7 +83,7 @@ def look(served):
 def get(served, path, role="therapist"):
     host, app = served
     line = http.client.HTTPConnection(host, timeout=10)
-    headers = {"Cookie": f"{COOKIE}={app.state.site.seal.issue(role)}"} if role else {}
+    headers = {"Cookie": f"{COOKIE}={app.state.site.begin(role)}"} if role else {}
     line.request("GET", path, headers=headers)
     answer = line.getresponse()
     body = answer.read()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
 RECORD = {"exercise": "open_close", "side": "right", "seconds": "2", "countdown": "0"}
@@ -84,7 +86,7 @@ def test_a_refused_start_does_not_take_the_operators_place(browser, app):
 def test_pain_is_noted_for_everybody(browser, clinic, monkeypatch):
     noted = []
     monkeypatch.setattr(clinic.live, "pain", lambda account, digit: noted.append((account.name, digit)))
-    assert browser("patient").ask("/live/pain", digit="index").status_code == 200
+    assert browser("patient").ask("/live/pain", place="index").status_code == 200
     assert noted == [("patient", "index")]
 
 
@@ -97,12 +99,9 @@ def test_the_state_names_the_patient_by_two_identifiers(clinic, app, patient):
         def snapshot(self):
             return replace(clinic.live.snapshot(), state="playing", patient_id=patient, frame=7)
 
-    class Shown:
-        clinic = type("Clinic", (), {"live": Desk()})()
-        patients = app.state.site.patients
-        operator = app.state.site.operator
-
-    shown = live_state(Shown(), "")
+    desk = SimpleNamespace(live=Desk(), runner=clinic.runner, interrupted=clinic.interrupted)
+    site = app.state.site
+    shown = live_state(SimpleNamespace(clinic=desk, patients=site.patients, operator=site.operator), "")
     assert shown["frame"] == 7
     assert shown["patient"]["born"] == "14 March 1957"
     assert shown["patient"]["side"] == "left"

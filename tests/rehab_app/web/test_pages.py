@@ -41,13 +41,13 @@ def test_a_new_patient_is_added_and_shown(browser, clinic):
 @pytest.mark.parametrize(
     ("name", "value", "sentence"),
     [
-        ("birth_date", "29.2.1961", "birth date is"),
-        ("birth_date", "", "birth date is empty"),
-        ("given_name", " ", "given name is empty"),
-        ("side", "", "side is"),
-        ("hand_length_cm", "400", "hand length is"),
-        ("hand_length_cm", "nan", "hand length is"),
-        ("hand_length_cm", "<b>", "hand length is"),
+        ("birth_date", "29.2.1961", "Birth date is"),
+        ("birth_date", "", "Birth date is empty"),
+        ("given_name", " ", "Given name is empty"),
+        ("side", "", "Side is"),
+        ("hand_length_cm", "400", "Hand length is"),
+        ("hand_length_cm", "nan", "Hand length is"),
+        ("hand_length_cm", "<b>", "Hand length is"),
     ],
 )
 def test_a_wrong_form_comes_back_with_its_sentence(browser, clinic, name, value, sentence):

@@ -67,7 +67,7 @@ def test_signing_out_ends_the_ticket_itself(browser):
 
 def test_closed_accounts_are_signed_out(app, browser):
     visitor = browser("therapist")
-    cookie = app.state.site.seal.issue("somebody who left")
+    cookie = app.state.site.begin("somebody who left")
     visitor.cookies.clear()
     visitor.cookies.set(COOKIE, cookie)
     assert visitor.get("/patients").status_code == 303

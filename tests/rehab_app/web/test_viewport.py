@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import threading
 from dataclasses import dataclass, replace
 from ipaddress import ip_address
 from types import SimpleNamespace
@@ -16,6 +17,7 @@ from rehab_app.services.rows import Replay
 from rehab_app.services.snapshot import LiveSnapshot
 from rehab_app.web.viewport import LOOPBACK, LiveViewport, ReviewViewports
 from rehab_app.web.viewport.hand_shape import HandShape
+from rehab_app.web.viewport.painter import Painter
 from rehab_app.web.viewport.private_server import PrivateServer
 from rehab_app.web.viewport.solids import ball, loft, tapered_bone
 from rehab_app.web.viewport.verdict import Verdict, lines, of_error
@@ -169,3 +171,19 @@ def test_reviews_are_reused_and_the_oldest_is_closed() -> None:
             reviews.port_for("unknown")
     finally:
         reviews.close()
+
+
+def test_a_picture_goes_on_after_a_browser_left_in_the_middle_of_a_turn():
+    turns = []
+    again = threading.Event()
+
+    def paint():
+        turns.append(1)
+        if len(turns) == 1:
+            raise RuntimeError("deque mutated during iteration")
+        again.set()
+        return 0.01
+
+    painter = Painter(SimpleNamespace(server=SimpleNamespace(stop=lambda: None)), "painter", paint)
+    assert again.wait(10.0)
+    painter.close()

@@ -36,6 +36,7 @@ def test_the_capabilities_are_those_of_the_file(write_device: Write, tmp_path: P
     assert np.rad2deg(found.q_max_rad) == pytest.approx(120.0)
     assert found.tau_max_nm == pytest.approx(0.6)
     assert found.position_sensors == 1
+    assert found.inertia_kg_m2 == 0.0025
 
 
 def test_devices_are_found_by_their_files(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections import deque
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from robot_iface.control import (
     Law,
     check_gains,
     hand_chain,
+    make_law,
     nominal_gains,
     thesis_gains,
 )
@@ -73,7 +75,7 @@ def spectral_radius(
 def test_what_the_bounds_allow_is_stable_with_a_hand_and_without(
     period_s: float, finger: float | None
 ) -> None:
-    most = damping_bound_nms_rad(period_s)
+    most = damping_bound_nms_rad(period_s, ROTOR)
     for damping in np.geomspace(0.005, most, 6):
         stiffness = float(stiffness_bound_nm_rad(np.array([damping]), period_s)[0])
         assert spectral_radius(stiffness, float(damping), finger=finger, period_s=period_s) < 1.0
@@ -95,7 +97,7 @@ def test_torque_feedback_is_stable_even_with_the_wrong_sign(finger: float, sign:
 
 @pytest.mark.parametrize("multiple", [0.1, 1.0, 3.0, 10.0])
 def test_every_joint_multiple_of_a_prescription_is_stable_at_one_kilohertz(multiple: float) -> None:
-    check_gains(multiple, "joint", DRIVEN, 1e-3)
+    check_gains(multiple, "joint", DRIVEN, 1e-3, ROTOR)
 
 
 @pytest.mark.parametrize(
@@ -113,13 +115,26 @@ def test_gains_out_of_range_or_unstable_are_refused(
     multiple: float, space: Space, period_s: float, said: str
 ) -> None:
     with pytest.raises(Refused, match=said):
-        check_gains(multiple, space, DRIVEN, period_s)
+        check_gains(multiple, space, DRIVEN, period_s, ROTOR)
 
 
 def test_stiffness_is_named_where_it_is_what_breaks_the_bound() -> None:
     gains = Gains(np.array([0.3, 2.0]), np.array([0.02, 0.005]))
     with pytest.raises(Refused, match=r"stiffness of index_pip is 2 Nm/rad.*below 1.7 Nm/rad at 1 ms"):
-        check_joint_gains(gains, ("index_mcp_flexion", "index_pip"), 1e-3)
+        check_joint_gains(gains, ("index_mcp_flexion", "index_pip"), 1e-3, ROTOR)
+
+
+def test_a_lighter_motor_bears_less_damping() -> None:
+    check_gains(8.0, "joint", DRIVEN, 1e-3, 3e-4)
+    with pytest.raises(Refused, match=r"damping of .* Nms/rad.*below 0.028 Nms/rad at 1 ms"):
+        check_gains(8.0, "joint", DRIVEN, 1e-3, 4e-5)
+
+
+def test_the_law_of_a_plan_is_checked_for_the_inertia_of_its_device(make_plan: Any) -> None:
+    plan = make_plan(multiple=8.0)
+    make_law(plan, DEVICE)
+    with pytest.raises(Refused, match="damping of thumb_cmc_flexion"):
+        make_law(plan, dataclasses.replace(DEVICE, inertia_kg_m2=4e-5))
 
 
 def test_no_posture_is_stiffer_at_the_joints_than_what_is_checked() -> None:

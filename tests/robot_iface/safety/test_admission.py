@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from robot_iface.errors import Refused
-from robot_iface.safety import admit_limits, limits_for_hold, raised_limits, shipped_limits
+from robot_iface.safety import admit_limits, raised_limits, shipped_limits
 from robot_iface.types import Hull
 
 NAMES = ("index_mcp_flexion", "index_pip", "thumb_ip")
@@ -129,10 +129,3 @@ def test_a_therapist_raises_one_joint_up_to_045(rigid: Any) -> None:
 def test_but_not_more_and_no_other_joint(joint: str, torque: float, message: str) -> None:
     with pytest.raises(Refused, match=message):
         raised_limits(limits(), NAMES, joint, torque)
-
-
-def test_holds_above_a_minute_load_the_pip_joint_with_008() -> None:
-    assert limits_for_hold(limits(), NAMES, 60.0).tau_interaction_nm.tolist() == [0.25, 0.15, 0.10]
-    assert limits_for_hold(limits(), NAMES, 60.1).tau_interaction_nm.tolist() == [0.25, 0.08, 0.10]
-    low = limits(tau_interaction_nm=np.array([0.2, 0.05, 0.05]))
-    assert limits_for_hold(low, NAMES, 90.0).tau_interaction_nm.tolist() == [0.2, 0.05, 0.05]

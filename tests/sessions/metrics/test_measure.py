@@ -44,7 +44,10 @@ def test_forty_degrees_of_index_pip_come_out_of_a_take(make_take: Make, noise_de
 def test_smoothness_of_minimum_jerk_strokes_is_near_its_oracle_and_its_floor(make_take: Make) -> None:
     summary = measure(make_take())
     assert value(summary, "sparc", "index") == pytest.approx(-1.43, abs=0.05)
-    assert value(summary, "sparc_floor", "index") < value(summary, "sparc", "index")  # it carries noise
+    noisy = make_take()
+    tips = noisy.topics[HAND_POSE.name]["fingertips_palm_m"]
+    tips += np.random.default_rng(3).normal(0.0, 0.0005, tips.shape)
+    assert value(measure(noisy), "sparc_floor", "index") < value(summary, "sparc_floor", "index")
     assert value(summary, "ldlj", "index") > -7.0
     assert status(summary, "sparc", "little").startswith("not measurable")
     assert "arms" in status(summary, "sparc", "index")

@@ -15,6 +15,7 @@ from sessions.metrics import measure, measure_file
 from sessions.records import ROWS, columns_of
 from sessions.records.topics import TOPICS
 from sessions.reports import build_report, render_html, render_json
+from sessions.reports.recompute import verify_report
 from sessions.store import SessionWriter
 
 Make = Callable[..., Any]
@@ -86,3 +87,45 @@ def test_a_file_that_is_no_recording(tmp_path: Path) -> None:
         build_report([path])
     with pytest.raises(Refused):
         build_report([tmp_path / "absent.mcap"])
+
+
+def test_a_report_is_made_again_bit_for_bit_and_a_changed_number_is_named(
+    make_session: Make, make_take: Make, tmp_path: Path
+) -> None:
+    path, other = write(make_session(), tmp_path / "session.mcap"), write(make_take(), tmp_path / "take.mcap")
+    written = tmp_path / "report.json"
+    written.write_bytes(render_json(build_report([other, path])))
+    proof = verify_report(written, path)
+    assert proof.numbers == len(measure_file(path).metrics)
+    text = written.read_text()
+    value = next(
+        item for item in measure_file(path).metrics if item.name == "joint_rmse" and item.value > 0.0
+    ).value
+    written.write_text(text.replace(repr(value), repr(np.nextafter(value, 1.0).item())))
+    with pytest.raises(Refused, match=r"value of joint_rmse \("):
+        verify_report(written, path)
+    verify_report(written, other)
+
+
+def test_what_is_no_report_of_the_file_is_refused(
+    make_take: Make, make_session: Make, tmp_path: Path
+) -> None:
+    path = write(make_take(), tmp_path / "take.mcap")
+    written = tmp_path / "report.json"
+    for content, words in ((b"{", "no JSON"), (b"[]", "without metrics"), (b'{"metrics": [1]}', "not about")):
+        written.write_bytes(content)
+        with pytest.raises(Refused, match=words):
+            verify_report(written, path)
+    with pytest.raises(Refused, match="not readable"):
+        verify_report(tmp_path / "absent.json", path)
+
+
+@pytest.mark.parametrize("kind", ["take", "session"])
+def test_reading_ahead_changes_no_number(
+    kind: str, make_take: Make, make_session: Make, tmp_path: Path
+) -> None:
+    path = write(make_take() if kind == "take" else make_session(stopped=True), tmp_path / "session.mcap")
+    ahead = build_report([path]).summaries[0]
+    plain = measure_file(path)
+    assert repr(ahead.metrics) == repr(plain.metrics)
+    assert (ahead.stops, ahead.sha256) == (plain.stops, plain.sha256)

@@ -1,0 +1,93 @@
+"""Users of the clinic: add, role, password, close; when an idle page is covered."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from starlette.responses import Response
+
+from rehab_app.access import ROLES
+from rehab_app.errors import Refused
+from rehab_app.web.language import _
+from rehab_app.web.pages.asked import whole
+from rehab_app.web.visit import Visit
+from rehab_app.web.words_access import ROLE_WORDS, ROLES_MAY
+
+PAGE = "/clinic/users"
+
+
+def users(visit: Visit) -> Response:
+    """The page."""
+    return _shown(visit, {})
+
+
+def add(visit: Visit) -> Response:
+    """Make an account."""
+    name, role = visit.asked("name"), visit.asked("role")
+    password = visit.form.get("password", "")
+    if password != visit.form.get("again", ""):
+        return _shown(visit, {"add": _("The two passwords differ: type the same one twice.")})
+    done = _("%(name)s may sign in.") % {"name": name}
+    accounts = visit.site.clinic.accounts
+    return _do(visit, "add", done, lambda: accounts.add_user(name, role, password, visit.account))
+
+
+def change_role(visit: Visit) -> Response:
+    """Give an account another role."""
+    name, accounts = visit.asked("name"), visit.site.clinic.accounts
+    done = _("The role of %(name)s was changed; %(name)s signs in again.") % {"name": name}
+    return _do(
+        visit, f"user {name}", done, lambda: accounts.change_role(name, visit.asked("role"), visit.account)
+    )
+
+
+def reset_password(visit: Visit) -> Response:
+    """Give an account a new password."""
+    name, accounts = visit.asked("name"), visit.site.clinic.accounts
+    password = visit.form.get("password", "")
+    done = _("%(name)s has a new password.") % {"name": name}
+    return _do(visit, f"user {name}", done, lambda: accounts.reset_password(name, password, visit.account))
+
+
+def close(visit: Visit) -> Response:
+    """Close an account."""
+    name, accounts = visit.asked("name"), visit.site.clinic.accounts
+    if visit.asked("sure") != "yes":
+        return _shown(visit, {f"user {name}": _("Confirm that the account is to be closed.")})
+    done = _("The account %(name)s is closed.") % {"name": name}
+    return _do(visit, f"user {name}", done, lambda: accounts.close(name, visit.account))
+
+
+def set_idle_lock(visit: Visit) -> Response:
+    """Change when an idle page is covered."""
+
+    def change() -> None:
+        minutes = whole(visit, "minutes", "minutes until an idle page is covered")
+        visit.site.clinic.accounts.set_idle_lock(minutes, visit.account)
+
+    return _do(visit, "idle", _("The time was changed."), change)
+
+
+def _do(visit: Visit, place: str, done: str, act: Callable[[], object]) -> Response:
+    """Do it; a refusal stands beside its form, with what was typed."""
+    try:
+        act()
+    except Refused as refusal:
+        text = str(refusal)
+        return _shown(visit, {place: text[:1].upper() + text[1:] + "."})
+    return visit.go(PAGE, done)
+
+
+def _shown(visit: Visit, problems: dict[str, str]) -> Response:
+    accounts = visit.site.clinic.accounts
+    return visit.page(
+        "users.html.j2",
+        status=409 if problems else 200,
+        accounts=accounts.list(visit.account),
+        closed=accounts.closed(visit.account),
+        roles=[(role, ROLE_WORDS[role], ROLES_MAY[role]) for role in ROLES],
+        problems=problems,
+        typed={"name": visit.asked("name"), "role": visit.asked("role") or "therapist"},
+        minutes=accounts.sign_ins.idle_s() // 60,
+        typed_minutes=visit.asked("minutes"),
+    )
