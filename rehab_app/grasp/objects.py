@@ -148,9 +148,11 @@ def named_sizes(thing: str, text: str, rest: str) -> dict[str, float]:
     """
     sizes: dict[str, float] = {}
     for part in filter(None, rest.split(",")):
-        name, sign, number = part.partition("=")
+        name, sign, number = (piece.strip() for piece in part.partition("="))
+        if name in sizes:
+            raise Refused(thing, f"{text!r} with two of {name}", "each size once", "leave one out")
         try:
-            sizes[name.strip()] = float(number)
+            sizes[name] = float(number)
         except ValueError:
             sign = ""
         if not sign:

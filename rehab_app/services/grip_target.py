@@ -16,6 +16,7 @@ from rehab_app.grasp.objects import Box, Cylinder, Sphere, Thing
 from rehab_app.grasp.posture import Posture, try_posture
 from rehab_app.grasp.shape import aperture_rad
 from rehab_app.grasp.target_json import target_from_json
+from rehab_app.services.grip_robot import robot_fingertips_m, robot_goal_m
 from robot_iface.kinematics import HandGeometry, forward
 from sessions.records import DIGITS, FINGERTIPS, JOINTS, LANDMARKS
 from sessions.records.fields import Float64
@@ -118,6 +119,7 @@ class GripTarget:
         geometry: The hand that it was made for.
         joints_rad: The posture, shape (21,).
         fingertips_m: Its fingertips in the palm frame, shape (5, 3), order of DIGITS.
+        robot_fingertips_m: Those of the DLR-HIT-Hand II that shows it, in its own palm frame, shape (5, 3).
         holds: Which digits touch the object, shape (5,); the way to go is counted for these.
         aperture_rad: Angle at the wrist between the knuckles of thumb and index finger.
         p_palm_object_m: Middle of the object in the palm frame, shape (3,).
@@ -130,6 +132,7 @@ class GripTarget:
     geometry: HandGeometry
     joints_rad: Float64
     fingertips_m: Float64
+    robot_fingertips_m: Float64
     holds: NDArray[np.bool_]
     aperture_rad: float
     p_palm_object_m: Float64
@@ -145,13 +148,13 @@ class WayToGo:
         fingertip_m: Distance of each fingertip from its place, shape (5,), order of DIGITS.
         farthest: The digit that is farthest, of those that touch the object.
         farthest_m: Its distance.
-        aperture_rad: The hand's aperture now.
+        aperture_rad: The hand's aperture now; None for the robot alone, whose thumb stands fixed.
     """
 
     fingertip_m: Float64
     farthest: str
     farthest_m: float
-    aperture_rad: float
+    aperture_rad: float | None
 
 
 def make_target(choice: GripChoice, geometry: HandGeometry) -> GripTarget:
@@ -180,6 +183,7 @@ def make_target(choice: GripChoice, geometry: HandGeometry) -> GripTarget:
         geometry=geometry,
         joints_rad=joints,
         fingertips_m=landmarks[_TIPS],
+        robot_fingertips_m=robot_goal_m(geometry, joints),
         holds=np.array([digit in touching for digit in DIGITS]),
         aperture_rad=float(aperture_rad(landmarks[None])[0]),
         p_palm_object_m=middle,
@@ -188,19 +192,28 @@ def make_target(choice: GripChoice, geometry: HandGeometry) -> GripTarget:
     )
 
 
-def way_to_go(target: GripTarget, joints_rad: Float64) -> WayToGo | None:
+def way_to_go(target: GripTarget, joints_rad: Float64, *, worn: bool = True) -> WayToGo | None:
     """How far a hand is from a target; None while part of it is not known.
 
     Args:
         target: The target, made for this hand.
         joints_rad: The hand's posture, shape (21,).
+        worn: Whether a person's hand moved; else the DLR-HIT-Hand II alone, measured by its own fingertips.
     """
+    if not worn:
+        return _farthest(target, robot_fingertips_m(joints_rad) - target.robot_fingertips_m, None)
     landmarks = forward(target.geometry, joints_rad).landmarks_m
-    away = np.linalg.norm(landmarks[_TIPS] - target.fingertips_m, axis=1)
+    aperture = float(aperture_rad(landmarks[None])[0])
+    return _farthest(target, landmarks[_TIPS] - target.fingertips_m, aperture)
+
+
+def _farthest(target: GripTarget, apart_m: Float64, aperture: float | None) -> WayToGo | None:
+    """The way of fingertips that are apart by so much, shape (5, 3)."""
+    away = np.linalg.norm(apart_m, axis=1)
     if not bool(np.isfinite(away).all()):
         return None
     worst = int(np.argmax(np.where(target.holds, away, -1.0)))
-    return WayToGo(away, DIGITS[worst], float(away[worst]), float(aperture_rad(landmarks[None])[0]))
+    return WayToGo(away, DIGITS[worst], float(away[worst]), aperture)
 
 
 def _in_millimetres(refusal: Refused, hand: GraspHand, choice: GripChoice) -> Refused:

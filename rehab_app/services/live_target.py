@@ -53,6 +53,6 @@ class LiveTarget:
 
 
 def way_of(shown: LiveSnapshot) -> WayToGo | None:
-    """How far the patient's hand is from the target; None without one, or where nobody wears the robot."""
+    """How far the hand that moves is from the target: the patient's, or the robot's own; None without one."""
     target, joints = shown.grip.target, shown.patient_joints_rad
-    return None if target is None or joints is None or not shown.worn else way_to_go(target, joints)
+    return None if target is None or joints is None else way_to_go(target, joints, worn=shown.worn)

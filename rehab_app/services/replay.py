@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from rehab_app.hand.retarget import ROBOT_JOINTS
 from rehab_app.hand.subject import geometry_from_json
 from rehab_app.services.replay_repetitions import of_movement, of_session
 from rehab_app.services.rows import Replay
@@ -31,7 +32,9 @@ def replay_of(path: Path) -> Replay:
         Refused: The file is no sealed session, or holds no hand.
     """
     with SessionReader(path) as reader:
-        return _session(reader) if reader.header.kind == "therapy" else _take(reader)
+        found = _session(reader) if reader.header.kind == "therapy" else _take(reader)
+        worn = reader.header.robot_joints != ROBOT_JOINTS
+        return replace(found, prescription=reader.header.prescription, worn=worn)
 
 
 def _take(reader: SessionReader) -> Replay:

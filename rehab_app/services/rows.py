@@ -141,6 +141,8 @@ class Replay:
         side: Its side.
         reference_geometry: Hand on which the reference is drawn (the patient's own for a session).
         repetitions_s: Start and end of every repetition, shape (R, 2), s.
+        prescription: What the header says was prescribed, JSON; the target grip of a computed grasp is in it.
+        worn: Whether a person's hand moved; else the DLR-HIT-Hand II alone.
     """
 
     t_s: Float64
@@ -153,3 +155,5 @@ class Replay:
     side: Side
     reference_geometry: HandGeometry | None = field(default=None)
     repetitions_s: Float64 = field(default_factory=lambda: np.empty((0, 2)))
+    prescription: str = ""
+    worn: bool = True

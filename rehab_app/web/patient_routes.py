@@ -8,7 +8,14 @@ from starlette.responses import Response
 from starlette.routing import BaseRoute, Route
 
 from rehab_app.access import Verb
-from rehab_app.web.pages import patient, patient_diagnosis, patient_journal, patient_outcomes, patients
+from rehab_app.web.pages import (
+    assessments,
+    patient,
+    patient_diagnosis,
+    patient_journal,
+    patient_outcomes,
+    patients,
+)
 from rehab_app.web.visit import Visit, action, page
 
 
@@ -35,6 +42,7 @@ def patient_routes() -> list[BaseRoute]:
         does("/unlock", patient_diagnosis.unlock, "prescribe"),
         does("/lock", patient_diagnosis.lock, "view"),
         shows("/limits", patient.limits),
+        shows("/assessments", assessments.assessments),
         shows("/outcomes", patient_outcomes.outcomes),
         does("/outcomes", patient_outcomes.add_outcome, "note"),
         shows("/journal", patient_journal.journal),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from rehab_app.services.exercises import STARTERS
+
 MODES = {
     "passive": "Passive (CPM)",
     "assistive": "Active-assisted",
@@ -14,6 +16,7 @@ ROBOTS = {
 }
 SPACES = {"joint": "at the joints", "fingertip": "at the fingertips"}
 EXERCISES = {
+    **{one.name: one.words for one in STARTERS},
     "open_close": "Hand opening and closing",
     "index_pip": "Index PIP flexion",
     "tapping": "Finger tapping",
@@ -22,6 +25,7 @@ EXERCISES = {
     "still": "Hold still",
     "range of motion sweep": "Today's range, measured",
     "fit check": "Fit check",
+    "tone at three speeds": "Tone at three speeds",
 }
 TWINS = {
     "healthy": "Healthy",

@@ -17,6 +17,7 @@ _TABS: tuple[tuple[str, str], ...] = (
     ("limits", marked("Limits")),
     ("plan", marked("Plan")),
     ("progress", marked("Progress")),
+    ("assessments", marked("Assessments")),
     ("outcomes", marked("Outcomes")),
     ("journal", marked("Journal")),
     ("sessions", marked("Sessions and takes")),

@@ -10,7 +10,7 @@ import viser
 from rehab_app.errors import Refused
 from rehab_app.grasp.grip import GRIPS
 from rehab_app.services.grip_finder import FoundGrip, GripFinder
-from rehab_app.services.grip_target import LARGEST_MM, SMALLEST_MM, GripChoice, grip_choice
+from rehab_app.services.grip_target import LARGEST_MM, SMALLEST_MM, GripChoice, choice_fields, grip_choice
 from robot_iface.kinematics import HandGeometry
 
 _OBJECTS = {"None": "none", "Cylinder": "cylinder", "Ball": "ball", "Box": "box"}
@@ -22,18 +22,23 @@ class Aim:
 
     Args:
         server: The viser server; the widgets go into its panel.
+        choice: What is chosen at first, such as the grip that a recording aimed at; None for nothing.
     """
 
-    def __init__(self, server: viser.ViserServer) -> None:
+    def __init__(self, server: viser.ViserServer, choice: GripChoice | None = None) -> None:
         self._finder = GripFinder()
-        self._choice: GripChoice | None = None
+        self._choice = choice
         self._complaint = ""
-        gui = server.gui
-        with gui.add_folder("Target grip", expand_by_default=False):
-            self._object: Any = gui.add_dropdown("Object", tuple(_OBJECTS))
-            self._size: Any = gui.add_number("Size [mm]", 60.0, min=SMALLEST_MM, max=LARGEST_MM, step=0.5)
-            self._width: Any = gui.add_number("Width [mm]", 60.0, min=SMALLEST_MM, max=LARGEST_MM, step=0.5)
-            self._grip: Any = gui.add_dropdown("Grip", tuple(_GRIPS))
+        gui, first = server.gui, choice_fields(choice)
+        with gui.add_folder("Target grip", expand_by_default=choice is not None):
+            self._object: Any = gui.add_dropdown(
+                "Object", tuple(_OBJECTS), initial_value=_label(_OBJECTS, first["object"])
+            )
+            self._size: Any = _millimetres(gui, "Size [mm]", first["size"])
+            self._width: Any = _millimetres(gui, "Width [mm]", first["width"])
+            self._grip: Any = gui.add_dropdown(
+                "Grip", tuple(_GRIPS), initial_value=_label(_GRIPS, first["grip"])
+            )
         for widget in (self._object, self._size, self._width, self._grip):
             widget.on_update(self._chosen)
         self._fold()
@@ -65,6 +70,16 @@ class Aim:
         self._size.visible = kind != "none"
         self._width.visible = kind == "box"
         self._grip.visible = kind in ("cylinder", "box")
+
+
+def _label(words: dict[str, str], name: str) -> str:
+    return next(label for label, word in words.items() if word == name)
+
+
+def _millimetres(gui: Any, label: str, first_mm: str) -> Any:
+    """A field for a size; a file may state one that nobody could choose here, which is shown at the bound."""
+    shown_mm = min(max(float(first_mm), SMALLEST_MM), LARGEST_MM)
+    return gui.add_number(label, shown_mm, min=SMALLEST_MM, max=LARGEST_MM, step=0.5)
 
 
 def _number(value: Any) -> float:

@@ -46,8 +46,10 @@ def to_go(way: WayToGo) -> str:
 
 
 def aperture_words(target: GripTarget, way: WayToGo) -> str:
-    """Such as "48 degrees of 56"."""
-    return f"{math.degrees(way.aperture_rad):.0f} degrees of {math.degrees(target.aperture_rad):.0f}"
+    """Such as "Aperture 48 degrees of 56"; of a robot that nobody wears, whose fingertips these are."""
+    if way.aperture_rad is None:
+        return "The robot's own fingertips, from where its joints can follow this grip."
+    return f"Aperture {math.degrees(way.aperture_rad):.0f} degrees of {math.degrees(target.aperture_rad):.0f}"
 
 
 def _way(target: GripTarget, way: WayToGo) -> str:
@@ -65,5 +67,5 @@ def _way(target: GripTarget, way: WayToGo) -> str:
         f'<div><span style="font-size:30px;font-weight:700;line-height:1.15">{number}</span> '
         f'<span style="font-size:15px">{unit}</span></div>'
         f'<div style="display:grid;grid-template-columns:repeat(5,1fr);font-size:13px">{cells}</div>'
-        f'<div style="font-size:13px;margin-top:4px">Aperture {aperture_words(target, way)}</div>'
+        f'<div style="font-size:13px;margin-top:4px">{aperture_words(target, way)}</div>'
     )

@@ -10,7 +10,7 @@ import numpy as np
 
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.grip_finder import NO_GRIP
-from rehab_app.services.grip_target import way_to_go
+from rehab_app.services.grip_target import recorded_choice, way_to_go
 from rehab_app.services.rows import Replay
 from rehab_app.web.viewport.aim import Aim
 from rehab_app.web.viewport.painter import Painter
@@ -47,7 +47,8 @@ class ReviewViewport:
         self._panel = Panel(self._room, "time [s]", (0.0, self._end_s))
         self._panel.compare(replay.fingertip_error_m is not None)
         self._chart(0.0)
-        self._aim, self._found = Aim(self._room.server), NO_GRIP
+        self._aim = Aim(self._room.server, recorded_choice(replay.prescription))
+        self._found = NO_GRIP
         self._drawn_row, self._turn = -1, 0
         self._painted_s = time.monotonic()
         self._painter = Painter(self._room, "review-viewport", self._paint)
@@ -92,7 +93,8 @@ class ReviewViewport:
                 self._chart(at_s)
                 target = found.target
                 joints = replay.patient_joints_rad[row]
-                self._panel.aim(found, None if target is None else way_to_go(target, joints))
+                way = None if target is None else way_to_go(target, joints, worn=replay.worn)
+                self._panel.aim(found, way)
 
     def _chart(self, at_s: float) -> None:
         """The error, with a mark where the picture is, and that of the second recording."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any
@@ -64,8 +65,28 @@ def test_a_person_with_path_and_picture(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("cylinder:radius=0", "human"), "above 0 m"),
-        (("cylinder:radius=inf", "human"), "at most 10 m"),
+        (("cylinder:radius=0", "human"), "is 0 m, but must be above 0 m"),
+        (("cylinder:radius=-0.01", "human"), "is -0.01 m, but must be above 0 m"),
+        (("cylinder:radius=inf", "human"), "is inf m, but must be above 0 m and at most 10 m"),
+        (("cylinder:radius=nan", "human"), "is nan m, but must be above 0 m"),
+        (("sphere:radius=-inf", "human"), "is -inf m, but must be above 0 m"),
+        (("box:depth=nan,width=0.05", "human"), "box depth is nan m"),
+        (("box:depth=0.04", "human"), "box:depth=D,width=W"),
+        (("box:depth=0.2,width=0.2", "human"), "must be at least 118 deg"),
+        (("cylinder:radius=0.03,radius=0.04", "human"), "each size once"),
+        (("cylinder:radius=0.002", "human"), r"is 0.002 m (grip is not possible"),
+        (("cylinder:radius=0.15", "human"), "reaches 33 deg around"),
+        (("cylinder:radius=0.005", "dlr-hit-ii", "--method", "thesis"), "PIP angle is 1.764 rad"),
+        (("cylinder:radius=0.03", "human:length=nan"), "hand length is nan m, but must be 0.10 to 0.26 m"),
+        (("cylinder:radius=0.03", "human", "--dip-per-pip", "nan"), "is nan, but must be 0 to 1.5"),
+        (("cylinder:radius=0.03", "human", "--dip-per-pip", "9"), "is 9, but must be 0 to 1.5"),
+        (("cylinder:radius=0.03", "human", "--alpha-rad", "2"), "is 2 rad, but must be -1.047 to 1.047 rad"),
+        (("cylinder:radius=0.03", "human", "--method", "magic"), "contact or thesis"),
+        (("sphere:radius=0.03", "dlr-hit-ii", "--method", "thesis"), "use method contact"),
+        (("cylinder:radius=0.03", "human", "--side", "middle"), "left or right"),
+        (("cylinder:radius=0.03", "dlr-hit-ii", "--subject", "x.mcap"), "use --hand human"),
+        (("cylinder:radius=0.03", "human", "--subject", "missing.mcap"), "a take that exists"),
+        (("cylinder:radius=0.03", "human", "--take", "x.txt"), "ends in .mcap"),
         (("cylinder:radius=big", "human"), "name=number"),
         (("teapot", "human"), "cylinder:radius=R"),
         (("cylinder:radius=0.03", "human:length=3"), "0.10 to 0.26 m"),
@@ -82,8 +103,21 @@ def test_a_person_with_path_and_picture(tmp_path: Path) -> None:
 def test_bad_input_is_a_sentence(arguments: tuple[str, ...], words: str) -> None:
     thing, hand, *rest = arguments
     content, said = run("--object", thing, "--hand", hand, *rest, code=1)
-    assert words in content["error"]["message"]
+    message = content["error"]["message"]
+    assert words in message
+    assert "\n" not in message
     assert "Traceback" not in said
+
+
+@pytest.mark.parametrize(("radius_m", "hand"), [("0.002", "human:length=0.17"), ("0.15", "dlr-hit-ii")])
+def test_the_range_that_a_refusal_names_is_the_range_that_holds(radius_m: str, hand: str) -> None:
+    content, _ = run("--object", f"cylinder:radius={radius_m}", "--hand", hand, code=1)
+    named = re.search(r"must be (\S+) to (\S+) m for this hand", content["error"]["message"])
+    assert named is not None
+    low_m, high_m = float(named[1]), float(named[2])
+    assert low_m < high_m
+    for inside_m in (low_m + 1e-4, high_m - 1e-4):
+        run("--object", f"cylinder:radius={inside_m:.6f}", "--hand", hand)
 
 
 def test_the_shape_of_the_hand_in_a_take(tmp_path: Path) -> None:
@@ -131,7 +165,10 @@ def test_the_hand_reaches_for_a_cylinder_and_holds_it(tmp_path: Path) -> None:
     ("arguments", "words"),
     [
         (("--reach", "0.09"), "for this hand"),
-        (("--reach", "nan"), "above 0 m"),
+        (("--reach", "nan"), "is nan m, but must be above 0 m"),
+        (("--reach", "0"), "above 0 m"),
+        (("--reach", "-0.02"), "above 0 m"),
+        (("--reach", "inf"), "at most 10 m"),
         (("--reach", "0.02", "--hand", "human"), "given alone"),
         (("--reach", "0.02", "--plot", "x.png"), ".svg"),
         (("--reproduce", "x.txt"), ".md"),

@@ -15,6 +15,8 @@ from rehab_app.errors import Refused
 from rehab_app.grasp.closing import in_object_frame
 from rehab_app.grasp.hand import human_hand
 from rehab_app.grasp.posture import find_posture
+from rehab_app.grasp.spiral import spiral_path
+from rehab_app.hand.retarget import retarget, whole_robot_hand
 from rehab_app.services import grip_finder
 from rehab_app.services.grip_finder import NO_GRIP, GripFinder
 from rehab_app.services.grip_target import (
@@ -27,7 +29,12 @@ from rehab_app.services.grip_target import (
 )
 from rehab_app.services.live_target import LiveTarget, way_of
 from rehab_app.services.snapshot import LiveSnapshot
+from rehab_app.therapy.reference_grasp import reference_from_grasp
+from rehab_app.therapy.run_poses import run_hand
+from robot_iface.build import capabilities
 from robot_iface.kinematics import average_hand, forward
+from robot_iface.kinematics.dlr_hit import FINGER_MAX_RAD, FINGER_MIN_RAD, dlr_hit_hand, hand_points
+from robot_iface.safety import shipped_limits
 from robot_iface.types import Side
 from sessions.records import JOINTS
 
@@ -203,12 +210,43 @@ def test_who_may_play_chooses_and_a_demonstration_is_recorded_without(target: Gr
     assert live.onto(LiveSnapshot(state="playing")).grip is NO_GRIP
 
 
-def test_a_robot_that_nobody_wears_is_not_measured_against_a_patients_grip(target: GripTarget) -> None:
-    shown = LiveSnapshot(
-        grip=grip_finder.FoundGrip(target, "x"), patient_joints_rad=target.joints_rad, worn=True
-    )
-    way = way_of(shown)
+def test_a_robot_that_nobody_wears_is_measured_by_its_own_fingertips(target: GripTarget) -> None:
+    grip = grip_finder.FoundGrip(target, "x")
+    way = way_of(LiveSnapshot(grip=grip, patient_joints_rad=target.joints_rad, worn=True))
     assert way is not None
     assert way.farthest_m == 0.0
-    assert way_of(LiveSnapshot(grip=shown.grip, patient_joints_rad=target.joints_rad, worn=False)) is None
-    assert way_of(LiveSnapshot(grip=shown.grip)) is None
+    assert way_of(LiveSnapshot(grip=grip)) is None
+    ends = np.tile(FINGER_MIN_RAD, 5), np.tile(FINGER_MAX_RAD, 5)
+    shown = retarget(HAND, target.joints_rad[None], *ends).joints_rad
+    robot = whole_robot_hand(shown)[0]
+    there = way_of(LiveSnapshot(grip=grip, patient_joints_rad=robot, worn=False))
+    assert there is not None
+    assert there.farthest_m == pytest.approx(0.0, abs=1e-12)
+    assert there.aperture_rad is None
+    bent = robot.copy()
+    bent[JOINTS.index("ring_mcp_flexion")] -= 0.2
+    away = way_of(LiveSnapshot(grip=grip, patient_joints_rad=bent, worn=False))
+    assert away is not None
+    points = hand_points(dlr_hit_hand(), shown.reshape(5, 3))[3]
+    assert away.farthest == "ring"
+    assert away.farthest_m == pytest.approx(2 * np.sin(0.1) * np.linalg.norm(points[3] - points[0]))
+    assert way_to_go(target, np.full(21, np.nan), worn=False) is None
+
+
+@pytest.mark.parametrize(("device", "near_m"), [("dlr-hit-ii", 0.008), ("exoskeleton", 0.020)])
+def test_a_grip_that_is_played_reaches_its_own_target(target: GripTarget, device: str, near_m: float) -> None:
+    # the path as the motion core gets it, within the device's shipped limits; what they cut off is said there
+    hand, known = human_hand(HAND), capabilities(device)
+    limits = shipped_limits(known.joint_names, known.q_min_rad, known.q_max_rad)
+    built = reference_from_grasp(
+        spiral_path(find_posture(hand, target.choice.thing, target.choice.grip)),
+        hand,
+        patient_side="right",
+        device=known,
+        limits=limits,
+    )
+    poses = run_hand(known, HAND).poses(built.path.q_rad).joints_rad
+    ways = [way_to_go(target, row, worn=known.worn) for row in poses[:: len(poses) // 40]]
+    to_go_m = np.array([way.farthest_m for way in ways if way is not None])
+    assert to_go_m[0] > 0.05
+    assert to_go_m.min() < near_m

@@ -112,7 +112,7 @@ def test_a_take_reports_in_both_formats(stocked, tmp_path):
     assert [path.suffix for path in made] == [".html", ".json"]
     assert made[0].read_text(encoding="utf-8") == stocked.reports.html(row.id)
     assert made[1].read_bytes() == stocked.reports.json(row.id)
-    with pytest.raises(Refused, match="one of html, json"):
+    with pytest.raises(Refused, match="one of html, pdf, csv"):
         stocked.reports.report([row.id], ("docx",), tmp_path, actor=CONSOLE)
     with pytest.raises(Refused, match="unknown"):
         stocked.reports.html("deadbeef")

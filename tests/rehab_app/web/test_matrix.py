@@ -46,6 +46,7 @@ TABLE = {
         GET /patients
         GET /patients/{patient}; GET /patients/{patient}/diagnosis; POST /patients/{patient}/lock
         GET /patients/{patient}/limits; GET /patients/{patient}/outcomes; GET /patients/{patient}/journal
+        GET /patients/{patient}/assessments
         GET /patients/{patient}/sessions; GET /patients/{patient}/data; GET /patients/{patient}/plan
         GET /patients/{patient}/progress; GET /patients/{patient}/progress.{format}
         GET /patients/{patient}/compare; GET /patients/{patient}/compare.{format}

@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
+import threading
+import time
+from contextlib import closing
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from rehab_app.grasp.objects import Box, Cylinder, Sphere
+from rehab_app.grasp.target_json import StoredTarget, target_to_json, with_target
 from rehab_app.services.grip_finder import NO_GRIP, FoundGrip
-from rehab_app.services.grip_target import GripTarget, grip_choice, make_target, way_to_go
+from rehab_app.services.grip_target import (
+    GripChoice,
+    GripTarget,
+    choice_fields,
+    grip_choice,
+    make_target,
+    way_to_go,
+)
+from rehab_app.services.rows import Replay
 from rehab_app.services.snapshot import LiveSnapshot
 from rehab_app.web.live_state import _target
 from rehab_app.web.viewport import LiveViewport
@@ -18,6 +31,7 @@ from rehab_app.web.viewport.drawn_target import DrawnTarget
 from rehab_app.web.viewport.goal import goal_html, to_go
 from rehab_app.web.viewport.outline import hand_lines_m, thing_lines_m, thing_place
 from rehab_app.web.viewport.private_server import PrivateServer
+from rehab_app.web.viewport.review import ReviewViewport
 from rehab_app.web.viewport.solids import bar, block
 from rehab_app.web.viewport.verdict import legend
 from robot_iface.kinematics import average_hand, forward
@@ -85,6 +99,14 @@ def test_the_card_says_how_far_it_is_and_when_it_is_reached(cylinder: GripTarget
     assert "&lt;b&gt;" in goal_html(FoundGrip(words="<b>", refused=True), None)
 
 
+def test_the_card_of_a_robot_that_nobody_wears_says_whose_fingertips_these_are(cylinder: GripTarget) -> None:
+    way = way_to_go(cylinder, np.zeros(21), worn=False)
+    html = goal_html(FoundGrip(cylinder, "x"), way)
+    assert "mm" in html
+    assert "own fingertips" in html
+    assert "degrees of" not in html
+
+
 def test_a_digit_that_is_not_counted_stands_in_brackets() -> None:
     fist = target("cylinder", 30.0)
     assert not fist.holds[0]
@@ -140,6 +162,49 @@ def test_a_review_that_is_asked_for_nonsense_says_so() -> None:
         assert aim.found(HAND) is NO_GRIP
     finally:
         server.stop()
+
+
+@pytest.mark.parametrize("thing", [Cylinder(0.0225), Sphere(0.035), Box(0.04, 0.055)])
+def test_a_review_begins_with_the_grip_that_the_recording_aimed_at(thing: Any) -> None:
+    server = PrivateServer("test")
+    try:
+        aim = Aim(server, GripChoice(thing, "transverse"))
+        fields = choice_fields(GripChoice(thing, "transverse"))
+        assert aim._object.value == {"cylinder": "Cylinder", "ball": "Ball", "box": "Box"}[fields["object"]]
+        assert aim._size.value == pytest.approx(float(fields["size"]))
+        assert aim._width.visible == isinstance(thing, Box)
+        assert "working it out" in aim.found(HAND).words
+        event: Any = None
+        chosen = aim._choice
+        aim._chosen(event)  # what the widgets show is what was recorded
+        assert aim._choice == chosen
+    finally:
+        server.stop()
+
+
+def test_a_review_of_a_played_grasp_shows_its_target_and_the_way(cylinder: GripTarget) -> None:
+    aimed = target_to_json(StoredTarget(cylinder.choice.thing, cylinder.choice.grip, {}))
+    joints = np.linspace(0.0, 1.0, 50)[:, None] * cylinder.joints_rad
+    recorded = Replay(
+        t_s=np.arange(50) / 50,
+        reference_joints_rad=None,
+        patient_joints_rad=joints,
+        fingertip_error_m=None,
+        phases=(),
+        events=(),
+        geometry=HAND,
+        side="left",
+        prescription=with_target("{}", aimed),
+    )
+    with closing(ReviewViewport(recorded, "Review")) as viewport:
+        aim, end_s = viewport._aim, time.monotonic() + 60.0
+        while aim.found(HAND).target is None and time.monotonic() < end_s:
+            threading.Event().wait(0.01)
+        viewport._draw()
+        assert viewport._room.target.shown is aim.found(HAND).target
+        card = viewport._panel._goal.content
+    assert "Cylinder of 60 mm" in card
+    assert "mm to go" in card
 
 
 def test_the_page_learns_the_way(cylinder: GripTarget) -> None:
