@@ -8,7 +8,7 @@ DEV_STAMP := $(VENV)/.installed-dev
 PYTEST := $(BIN)/python -m pytest
 WORKERS ?= 2
 
-.PHONY: demo test check bench bench-tracking bench-motion fuzz mutate examples tools clean
+.PHONY: demo test check bench bench-tracking bench-motion fuzz mutate messages examples tools clean
 
 demo: $(STAMP)
 	@$(BIN)/rehab-app demo --serve
@@ -39,6 +39,11 @@ fuzz: $(DEV_STAMP)
 MUTANTS ?= 200
 mutate: $(DEV_STAMP)
 	$(BIN)/python -m tests.bench.motion.fuzz_mutation $(MUTANTS)
+
+# After new texts in pages: adds them to the catalogues, empty; a test says which are still to be translated.
+messages: $(DEV_STAMP)
+	$(BIN)/pybabel -q extract -F web_assets/locale/babel.cfg -k marked --no-location --sort-output -o build/messages.pot .
+	$(BIN)/pybabel -q update -i build/messages.pot -o web_assets/locale/it.po -l it --no-fuzzy-matching --ignore-obsolete
 
 examples: $(STAMP)
 	$(BIN)/rehab-app demo --examples docs/examples

@@ -28,6 +28,6 @@ if [ ${#missing[@]} -gt 0 ]; then
   fi
 fi
 
-if command -v npm >/dev/null && [ ! -f foreign/node_modules/.installed ]; then
+if command -v npm >/dev/null && [ ! foreign/node_modules/.installed -nt foreign/package.json ]; then
   (cd foreign && npm install --no-audit --no-fund --no-package-lock --silent && touch node_modules/.installed)
 fi

@@ -126,7 +126,9 @@ def grasp(
     way = spiral_path(posture) if path or take is not None else None
     made = {} if take is None or way is None else grasp_trials.write_take(output, take, posture, way)
     if plot is not None:
-        plot.write_text(posture_svg(posture), encoding="utf-8")
+        from rehab_app.services.reports import write_whole
+
+        write_whole(plot, posture_svg(posture).encode())
     tell_posture(output, posture, way)
     told = path_json(way) if path and way is not None else {}
     output.result(posture_json(posture) | told | made | {"plot": plot})

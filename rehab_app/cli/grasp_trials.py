@@ -32,12 +32,13 @@ def write_take(output: Output, file: Path, posture: Posture, way: GraspPath) -> 
 def reach(output: Output, radius_m: float, plot: Path | None) -> None:
     """Let the simulated arm and hand reach for a cylinder and hold it."""
     from rehab_app.grasp.reach import reach_for
+    from rehab_app.services.reports import write_whole
     from robot_iface.build import draw_reach
 
     reached = reach_for(radius_m)
     grasp = reached.grasp
     if plot is not None:
-        plot.write_text(draw_reach(grasp), encoding="utf-8")
+        write_whole(plot, draw_reach(grasp).encode())
     holds = "holds" if grasp.holds else "does NOT hold"
     output.say(
         f"The hand {holds} the cylinder of {1e3 * radius_m:g} mm radius: "
@@ -63,16 +64,16 @@ def reproduce(output: Output, file: Path) -> None:
     """Write the thesis's tables and figures beside ours; pictures go beside the document."""
     from rehab_app.errors import Refused
     from rehab_app.grasp.thesis_document import thesis_document, thesis_pictures
+    from rehab_app.services.reports import write_whole
 
     if file.suffix.lower() != ".md":
         raise Refused("--reproduce", str(file), "a file that ends in .md", "name the document so")
     text, pictures = thesis_document(), thesis_pictures()
     made = [file]
-    file.write_text(text, encoding="utf-8")
+    write_whole(file, text.encode())
     for name, svg in pictures.items():
         picture = file.parent / name
-        picture.parent.mkdir(exist_ok=True)
-        picture.write_text(svg, encoding="utf-8")
+        write_whole(picture, svg.encode())
         made.append(picture)
     for one in made:
         output.say(f"Made: {one}")

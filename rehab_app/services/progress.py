@@ -38,6 +38,7 @@ class _Detectable:
 
     name: str
     subject: str
+    source: str = ""
     mdc95: float | None = None
 
 
@@ -193,11 +194,11 @@ class ProgressReports:
         self._audit.note(actor, "report progress", progress.subject_id)
         return tuple(targets)
 
-    def _bounds(self) -> tuple[tuple[str, str, float], ...]:
+    def _bounds(self) -> tuple[tuple[str, str, str, float], ...]:
         """Minimal detectable changes of this set-up; empty where nobody measured its repeatability."""
         kept = self._catalogue.setting(_REPEATABILITY)
         rows = () if kept is None else msgspec.json.decode(kept.content, type=tuple[_Detectable, ...])
-        return tuple((row.name, row.subject, row.mdc95) for row in rows if row.mdc95 is not None)
+        return tuple((row.name, row.subject, row.source, row.mdc95) for row in rows if row.mdc95 is not None)
 
     def _pasts(
         self, rows: Sequence[TherapySession], say: Callable[[str], None] | None

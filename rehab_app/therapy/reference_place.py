@@ -8,6 +8,7 @@ import numpy as np
 
 from rehab_app.hand.retarget import ROBOT_JOINTS, retarget
 from rehab_app.hand.retarget_range import within
+from rehab_app.therapy.reference_clearance import keep_clearance
 from rehab_app.therapy.reference_hulls import into_hulls
 from rehab_app.therapy.reference_notes import clip_notes, posture_notes
 from robot_iface.kinematics import DIP_PER_PIP, HandGeometry, forward
@@ -59,10 +60,11 @@ def place(
         return _on_robot(wish_rad, geometry, names, limits, device, take_s)
     asked = wish_rad[:, joint_index(names)]
     boxed = _bounded(asked, limits)
-    bounded, pulled = into_hulls(boxed, names, limits.hulls, take_s)
+    inside, pulled = into_hulls(boxed, names, limits.hulls, take_s)
+    bounded, led = keep_clearance(inside, names, geometry, limits, take_s)
     played = forward(geometry, whole_hand(bounded, names)).landmarks_m[:, _TIPS]
     apart_m = np.linalg.norm(forward(geometry, wish_rad).landmarks_m[:, _TIPS] - played, axis=2)
-    return Placed(bounded, _budget(apart_m), (*clip_notes(names, asked, limits), *pulled))
+    return Placed(bounded, _budget(apart_m), (*clip_notes(names, asked, limits), *pulled, *led))
 
 
 def whole_hand(driven_rad: Float64, driven_joints: tuple[str, ...]) -> Float64:

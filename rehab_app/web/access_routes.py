@@ -8,7 +8,7 @@ from starlette.responses import Response
 from starlette.routing import BaseRoute, Route
 
 from rehab_app.access import Verb
-from rehab_app.web.pages import audit, clinic_home, entry, kept, mine, own_account, users
+from rehab_app.web.pages import audit, clinic_home, entry, help, kept, mine, own_account, users
 from rehab_app.web.visit import Visit, action, page
 
 
@@ -33,6 +33,7 @@ def access_routes() -> list[BaseRoute]:
         does("/account/password", own_account.change_password, "stop", "/account"),
         does("/account/sign-out", own_account.sign_out_everywhere, "stop", "/account"),
         shows("/clinic", clinic_home.home, "stop"),
+        shows("/help", help.guide),
         shows("/clinic/users", users.users, "manage_users"),
         does("/clinic/users", users.add, "manage_users", users.PAGE),
         does("/clinic/users/role", users.change_role, "manage_users", users.PAGE),

@@ -11,7 +11,7 @@ from rehab_app.errors import Refused
 from rehab_app.services.live_interrupted import Restored
 from rehab_app.services.live_target import way_of
 from rehab_app.services.snapshot import BUSY, LiveSnapshot
-from rehab_app.web.language import _
+from rehab_app.web.language import _, marked
 from rehab_app.web.render import day, moment
 from rehab_app.web.runner_state import course_state
 from rehab_app.web.site import Site
@@ -32,7 +32,7 @@ def live_state(site: Site, page: str) -> dict[str, Any]:
     return {
         "state": now.state,
         "word": _word(now),
-        "message": now.message if now.paused else ASKED.get(_going(now), now.message),
+        "message": now.message if now.paused else _(ASKED.get(_going(now), now.message)),
         "busy": now.state in BUSY,
         "stopped": bool(now.stop_source),
         "paused": now.paused,
@@ -92,17 +92,17 @@ def _going(now: LiveSnapshot) -> str:
 
 def _word(now: LiveSnapshot) -> str:
     if now.paused:
-        return "Held"
+        return _("Held")
     if now.state != "playing":
-        return STATES[now.state]
-    return "Going back" if now.reversing else RUNS.get(now.kind, STATES["playing"])
+        return _(STATES[now.state])
+    return _("Going back") if now.reversing else _(RUNS.get(now.kind, STATES["playing"]))
 
 
 def _phase(now: LiveSnapshot) -> str:
     """The phase in words; in a posture of the sweep, whose turn it is."""
-    words = PHASES.get(now.phase, now.phase.capitalize())
+    words = _(PHASES.get(now.phase, now.phase.capitalize()))
     if now.kind == "range" and now.started_by and now.phase != "rest":
-        return words + (": alone" if now.started_by == "patient" else ": led on")
+        return words + ": " + (_("alone") if now.started_by == "patient" else _("led on"))
     return words
 
 
@@ -111,33 +111,34 @@ def acts_of(now: LiveSnapshot) -> dict[str, str]:
     if now.state != "playing":
         return {}
     if now.phase == "skin-check" and not now.paused:
-        return {"resume": "✓ Skin looked at: go on"}
+        return {"resume": "✓ " + _("Skin looked at: go on")}
     if now.paused:
-        return {"resume": "▶ Resume"}
+        return {"resume": "▶ " + _("Resume")}
     if now.reversing:
-        return {"pause": "❚❚ Pause", "resume": "▶ Resume forwards"}
-    acts = {"pause": "❚❚ Pause"}
+        return {"pause": "❚❚ " + _("Pause"), "resume": "▶ " + _("Resume forwards")}
+    acts = {"pause": "❚❚ " + _("Pause")}
     if now.kind == "range":
-        acts |= {"reverse": "◀ Back to rest", "next": "» " + _next_posture(now)}
+        acts |= {"reverse": "◀ " + _("Back to rest"), "next": "» " + _next_posture(now)}
     elif now.kind == "therapy":
-        acts["reverse"] = "◀ Reverse"
+        acts["reverse"] = "◀ " + _("Reverse")
         if now.phase in NEXT:
-            acts["next"] = "» " + NEXT[now.phase]
+            acts["next"] = "» " + _(NEXT[now.phase])
     return acts
 
 
 def _next_posture(now: LiveSnapshot) -> str:
     if now.phase == "rest":
-        return "Next posture"
-    return "Lead on" if now.started_by == "patient" else "Next"
+        return _("Next posture")
+    return _("Lead on") if now.started_by == "patient" else _("Next")
 
 
 def _run(now: LiveSnapshot) -> str:
     """What is run, on what: Active-assisted, exoskeleton (simulation)."""
     if not now.kind:
         return ""
-    names = {"range": "Today's range", "fit": "Fit check"}
-    return f"{names.get(now.kind) or MODES.get(now.mode, now.mode)}, {ROBOTS.get(now.device, now.device)}"
+    names = {"range": marked("Today's range"), "fit": marked("Fit check")}
+    run = names.get(now.kind) or MODES.get(now.mode, now.mode)
+    return f"{_(run)}, {_(ROBOTS.get(now.device, now.device))}"
 
 
 def _target(now: LiveSnapshot) -> dict[str, Any]:

@@ -11,7 +11,9 @@ from sessions.metrics.metric import Estimate
 from sessions.records.fields import Float64
 
 FLOOR_NM = 0.01
-"""Below this rms interaction torque the robot is transparent: what is left is friction and noise."""
+"""Below this rms interaction torque what is left is friction and noise: nobody can tell who worked."""
+NOTHING_NM = 5e-4
+"""Below this the robot did nothing: its share is 0."""
 MOVED_RAD = math.radians(3.0)
 """A joint that turned less than this did not take part."""
 NOT_SEPARABLE = "not separable from recoil and spasm: no passive curve of this day"
@@ -84,8 +86,10 @@ def robot_share(joints: list[Work], rms_interaction_nm: float, moved_rad: float)
     """
     if moved_rad < MOVED_RAD or not joints:
         return Estimate.missing("no joint moved by 3 degrees")
+    if rms_interaction_nm < NOTHING_NM:
+        return Estimate(0.0, None, "the robot applied no torque")
     if rms_interaction_nm < FLOOR_NM:
-        return Estimate(0.0, None, "the robot's torque stayed below its floor of 0.01 Nm")
+        return Estimate.missing("the robot's torque stayed below its floor of 0.01 Nm")
     robot = sum(item.robot_j for item in joints)
     least = sum(item.proven_patient_j for item in joints)
     most = max(least, sum(item.returned_j for item in joints))

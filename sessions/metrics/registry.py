@@ -160,7 +160,7 @@ _ROWS = (
     ("fit_residual", "m", "Fit residual", "How far the fitted hand is from the markers, rms."),
 )
 
-VERSIONS: Mapping[str, str] = {"sparc_floor": "2", "ldlj_floor": "2"}
+VERSIONS: Mapping[str, str] = {"sparc_floor": "2", "ldlj_floor": "2", "robot_share": "2"}
 """Names whose method is no longer at version 1."""
 
 _COUNTED, _DESCRIBES = "counted", "describes the recording itself"

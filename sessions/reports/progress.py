@@ -50,7 +50,7 @@ class Progress:
         left_out: Sessions that take no part.
         scores: The clinic's own scores.
         pains: Time in UTC ns and pain from 0 to 10, oldest first.
-        bounds: Minimal detectable change by metric and subject ("" for all), measured with this set-up.
+        bounds: Minimal detectable change by metric, subject ("" for all) and source, of this set-up.
         ordered: Repetitions that the present plan orders, 0 without one.
         software_version: Version of the software.
         title: Heading.
@@ -62,18 +62,17 @@ class Progress:
     left_out: tuple[LeftOut, ...]
     scores: tuple[Score, ...]
     pains: tuple[tuple[int, int], ...]
-    bounds: tuple[tuple[str, str, float], ...]
+    bounds: tuple[tuple[str, str, str, float], ...]
     ordered: int
     software_version: str
     title: str = "Progress"
 
     def bound(self) -> Bound:
         """The table of bounds as a question."""
-        table = {(name, subject): value for name, subject, value in self.bounds}
+        table = {(name, subject, source): value for name, subject, source, value in self.bounds}
 
         def known(name: str, subject: str, source: str) -> float | None:
-            del source  # one set-up, one source; the table is of the source that measured it
-            return table.get((name, subject), table.get((name, "")))
+            return table.get((name, subject, source), table.get((name, "", source)))
 
         return known
 

@@ -116,17 +116,18 @@ def nearest_mm(page: Page) -> int:
     return min(shown)
 
 
-def test_the_review_shows_a_target_of_its_own_choice(page, served, look):
+def test_the_review_begins_with_the_target_that_was_played_and_shows_another(page, served, look):
     page.goto(served.address + "/sessions")
     page.get_by_role("link", name="Review").first.click()
     shown = picture(page)
-    shown.get_by_text("Target grip").first.click()
-    shown.get_by_label("Object").click()
-    shown.get_by_role("option", name="Cylinder").click()
     expect(shown.get_by_text(CYLINDER)).to_be_visible()
     expect(shown.get_by_text("Target, outlined")).to_be_visible()
     expect(shown.get_by_text(re.compile("mm to go|every fingertip within"))).to_be_visible()
     look("24-target-review", tablet=True)
+    shown.get_by_label("Object").click()
+    shown.get_by_role("option", name="Ball").click()
+    expect(shown.get_by_text("Ball of 60 mm")).to_be_visible()
+    look("25-target-review-another")
 
 
 def test_no_script_failed(page):

@@ -163,7 +163,7 @@ async function tapPain(fields) {
     headers: { Accept: "application/json", "X-Form-Token": token },
     body: new URLSearchParams({ ...fields, page }),
   });
-  const told = await answer.json().catch(() => ({ message: "The server gave no answer." }));
+  const told = await answer.json().catch(() => ({ message: WORDS.noAnswer }));
   if (answer.ok) painEntry = told.entry;
   fill("pain", told.message);
   byId("pain-more").hidden = false;

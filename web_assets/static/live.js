@@ -7,6 +7,9 @@ const said = document.getElementById("said");
 const frame = document.querySelector("iframe[data-viewport]");
 const stale = document.getElementById("stale");
 const byId = (name) => document.getElementById(name);
+const WORDS = JSON.parse(byId("words").textContent); // what this script says, in the language of the page
+const told = (key, values) => WORDS[key].replace(/\{(\w+)\}/g, (_, name) => values[name]);
+const handOf = (side) => WORDS[side] ?? side;
 const all = (query) => [...document.querySelectorAll(query)];
 let now = { state: "idle", frame: 0 };
 let answeredAt = performance.now();
@@ -22,7 +25,7 @@ async function ask(path, fields) {
     headers: { Accept: "application/json", "X-Form-Token": token },
     body: new URLSearchParams({ ...fields, page }),
   });
-  const text = await answer.json().catch(() => ({ message: "The server gave no answer." }));
+  const text = await answer.json().catch(() => ({ message: WORDS.noAnswer }));
   if (answer.status === 401) return void location.assign("/sign-in?next=/live");
   if (!answer.ok) {
     refusedUntil = performance.now() + 8000;
@@ -44,7 +47,7 @@ const aim = document.querySelector("form[data-at-once]");
 function fitAim() {
   const kind = aim.elements.object.value;
   for (const part of aim.querySelectorAll("[data-of]")) part.hidden = !part.dataset.of.split(" ").includes(kind);
-  aim.querySelector("[data-size]").textContent = kind === "box" ? "Thickness, mm" : "Diameter, mm";
+  aim.querySelector("[data-size]").textContent = kind === "box" ? WORDS.thickness : WORDS.diameter;
 }
 aim.addEventListener("change", () => {
   fitAim();
@@ -121,16 +124,16 @@ function showPatient() {
   const them = now.busy || now.state === "stopped" ? now.patient : now.session_course?.who;
   const recording = ["countdown", "recording", "processing"].includes(now.state);
   if (recording) {
-    fill("name", "Recording a demonstration"); fill("born", ""); fill("side", now.side.toUpperCase() + " hand");
+    fill("name", WORDS.demonstrating); fill("born", ""); fill("side", handOf(now.side));
   } else if (now.busy && !them) {
-    fill("name", "Demonstration, no patient"); fill("born", ""); fill("side", now.side.toUpperCase() + " hand");
+    fill("name", WORDS.nobody); fill("born", ""); fill("side", handOf(now.side));
   } else if (them) {
-    fill("name", them.name); fill("born", "born " + them.born); fill("side", them.side.toUpperCase() + " hand");
+    fill("name", them.name); fill("born", WORDS.born + " " + them.born); fill("side", handOf(them.side));
   } else if (chosen && chosen.value) {
     fill("name", chosen.dataset.name); fill("born", chosen.dataset.born);
-    fill("side", chosen.dataset.side.toUpperCase() + " hand");
+    fill("side", handOf(chosen.dataset.side));
   } else {
-    fill("name", "Demonstration, no patient"); fill("born", ""); fill("side", "");
+    fill("name", WORDS.nobody); fill("born", ""); fill("side", "");
   }
 }
 
@@ -149,8 +152,8 @@ function show(state) {
   const playing = now.state === "playing";
   figure("phase", playing ? now.phase : "");
   fill("run", now.run);
-  fill("counted", now.kind === "range" ? "Posture" : "Repetition");
-  figure("repetition", playing && now.repetitions && now.repetition > 0 ? `${now.repetition} of ${now.repetitions}` : "");
+  fill("counted", now.kind === "range" ? WORDS.posture : WORDS.repetition);
+  figure("repetition", playing && now.repetitions && now.repetition > 0 ? told("counted", { n: now.repetition, m: now.repetitions }) : "");
   figure("tracking", now.state === "recording" && now.tracking_percent !== null ? `${now.tracking_percent} %` : "");
   showTarget();
   showQuality();
@@ -165,7 +168,7 @@ function show(state) {
 function showTarget() {
   const to = now.target.to_go_mm;
   figure("target", to === null ? "" : `${to} mm (${now.target.farthest})`);
-  fill("target-words", now.target.refused ? "not possible" : now.target.words || "none");
+  fill("target-words", now.target.refused ? WORDS.impossible : now.target.words || WORDS.none);
   fill("target-why", now.target.refused ? now.target.words : "");
   byId("aim").dataset.refused = String(now.target.refused);
   byId("aim").hidden = ["countdown", "recording", "processing"].includes(now.state);
@@ -183,8 +186,8 @@ function showQuality() {
     document.querySelector(`[data-share=${name}]`).style.width = share + "%";
     fill(name, known ? share + " %" : "–");
   }
-  fill("dropped", now.dropped ? `, ${now.dropped} captures lost` : "");
-  byId("quality").setAttribute("aria-label", known ? `Markers in the last second: ${shares.measured} % measured, ${estimated} % estimated, ${lost} % lost` : "Markers: not named yet");
+  fill("dropped", now.dropped ? ", " + told("dropped", { n: now.dropped }) : "");
+  byId("quality").setAttribute("aria-label", known ? told("shares", { measured: shares.measured, estimated, lost }) : WORDS.unnamed);
 }
 
 function showDesk() {
@@ -230,10 +233,10 @@ async function listTakes(chosen) {
   const mine = rows.find((row) => row.id === now.take);
   if (approve && mine) {
     approve.disabled = Boolean(mine.approved_by);
-    approve.textContent = mine.approved_by ? "✓ Approved" : "✓ Approve";
+    approve.textContent = mine.approved_by ? "✓ " + WORDS.approved : "✓ " + WORDS.approve;
   }
   const options = rows.filter((row) => row.approved_by).map((row) => {
-    const words = `${row.words}, ${row.side}, ${row.seconds.toFixed(1)} s (${row.id.slice(0, 8)})`;
+    const words = `${row.words}, ${WORDS["short " + row.side] ?? row.side}, ${row.seconds.toFixed(1)} s (${row.id.slice(0, 8)})`;
     return new Option(words, row.id, false, row.id === kept);
   });
   if (options.length) list.replaceChildren(...options);
@@ -264,7 +267,7 @@ function confirmAnew() {
   box.checked = false;
   box.required = Boolean(chosen.value);
   box.value = chosen.value;
-  if (chosen.value) fill("who", `${chosen.dataset.name}, ${chosen.dataset.born}, ${chosen.dataset.side.toUpperCase()} hand`);
+  if (chosen.value) fill("who", `${chosen.dataset.name}, ${chosen.dataset.born}, ${handOf(chosen.dataset.side)}`);
   showPatient();
 }
 
@@ -274,17 +277,17 @@ async function askLimits() {
   const query = new URLSearchParams({ patient: patient.value, device: device.value, wrist: wrist.value });
   const answer = await fetch("/live/limits?" + query, { headers: { Accept: "application/json" } });
   if (!answer.ok || asked !== limitsAsked) return;
-  const told = await answer.json();
-  fill("limits", told.words);
-  byId("limits").dataset.kind = told.kind;
-  list("limits", told.more);
-  for (const button of all("[data-ask]")) button.disabled = main.dataset.mayPlay === "no" || !told.worn || !told.patient;
+  const today = await answer.json();
+  fill("limits", today.words);
+  byId("limits").dataset.kind = today.kind;
+  list("limits", today.more);
+  for (const button of all("[data-ask]")) button.disabled = main.dataset.mayPlay === "no" || !today.worn || !today.patient;
   for (const option of order.elements.mode.options) {
     const plain = option.dataset.plain ??= option.textContent;
-    option.disabled = option.value in told.locked;
-    option.textContent = plain + (option.disabled ? " (locked)" : "");
+    option.disabled = option.value in today.locked;
+    option.textContent = plain + (option.disabled ? ` (${WORDS.locked})` : "");
   }
-  showMode(told.locked);
+  showMode(today.locked);
 }
 
 let locks = {};
@@ -324,8 +327,8 @@ async function listCameras() {
 function hintCamera() {
   const one = cameras.find((item) => item.id === cameraList.value);
   const needs = cameras.filter((item) => !item.ready && item.remedy).map((item) => `${item.words}: ${item.remedy}`);
-  const depth = one && !one.has_depth ? "No depth: places in space rest on the size of the hand alone. " : "";
-  const virtual = cameraList.value === "virtual" ? "It renders a hand with markers. " : depth;
+  const depth = one && !one.has_depth ? WORDS.noDepth + " " : "";
+  const virtual = cameraList.value === "virtual" ? WORDS.renders + " " : depth;
   byId("camera-hint").textContent = virtual + needs.join(" ");
 }
 cameraList.addEventListener("change", hintCamera);
@@ -353,7 +356,7 @@ function tick() {
   const late = lag();
   const lost = performance.now() - answeredAt > 1000;
   stale.hidden = late < 300;
-  stale.firstElementChild.textContent = (lost ? "NO CONNECTION" : "STALE") + ": this picture is old";
+  stale.firstElementChild.textContent = lost ? WORDS.lost : WORDS.stale;
   beat.postMessage({ token, page, alive: late < 1000, hidden: document.hidden });
 }
 

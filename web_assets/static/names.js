@@ -3,6 +3,8 @@
 (() => {
   const room = document.getElementById("naming");
   if (!room) return;
+  const WORDS = JSON.parse(document.getElementById("words").textContent);
+  const told = (key, values) => WORDS[key].replace(/\{(\w+)\}/g, (_, name) => values[name]);
   const svg = document.getElementById("first-picture");
   const blobs = [...svg.querySelectorAll(".blob")];
   const buttons = [...document.querySelectorAll("#marker-list button")];
@@ -29,7 +31,7 @@
 
   function place(blob) {
     if (busy) return;
-    if (!chosen) return show("All markers are named. Choose one in the list to place it anew.");
+    if (!chosen) return show(WORDS.placed);
     remember();
     const before = nameOf(blob);
     if (before) placed.delete(before);
@@ -51,7 +53,7 @@
       const name = nameOf(index);
       blob.classList.toggle("named", Boolean(name));
       blob.querySelector("text").textContent = name ? String(names.indexOf(name) + 1) : "";
-      blob.setAttribute("aria-label", `Ring ${index + 1} of ${blobs.length}, ${name || "not named"}`);
+      blob.setAttribute("aria-label", told("ring", { n: index + 1, m: blobs.length, name: name || WORDS.unnamed }));
     });
     buttons.forEach((button) => {
       const name = button.dataset.name;
@@ -60,8 +62,8 @@
       button.querySelector("i").textContent = placed.has(name) ? "✓" : "";
     });
     const left = fewest - placed.size;
-    hint.textContent = sentence ?? (chosen ? `Click the marker: ${chosen}` : "All markers are named. Track again.");
-    count.textContent = `${placed.size} of ${names.length} named` + (left > 0 ? `; ${left} more are needed.` : ".");
+    hint.textContent = sentence ?? (chosen ? told("click", { name: chosen }) : WORDS.ready);
+    count.textContent = told("count", { n: placed.size, m: names.length }) + (left > 0 ? "; " + told("more", { n: left }) : ".");
     undo.disabled = busy || !past.length;
     again.disabled = busy || left > 0;
     buttons.forEach((button) => { button.disabled = busy; });
@@ -94,7 +96,7 @@
 
   svg.addEventListener("click", (event) => {
     const blob = nearest(event);
-    if (blob < 0) return show(`There is no ring. Click the marker: ${chosen}`);
+    if (blob < 0) return show(told("noRing", { name: chosen }));
     focusOn(blob);
     place(blob);
   });
@@ -125,10 +127,10 @@
     busy = true;
     refusal.hidden = true;
     const start = performance.now();
-    const tell = () => show(`Tracking again: ${Math.round((performance.now() - start) / 1000)} s`);
+    const tell = () => show(told("tracking", { n: Math.round((performance.now() - start) / 1000) }));
     tell();
     const clock = setInterval(tell, 1000);
-    let said = "The server does not answer: try again.";
+    let said = WORDS.noAnswer;
     try {
       const answer = await fetch(room.dataset.action, {
         method: "POST",

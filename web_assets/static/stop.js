@@ -22,7 +22,7 @@
       show(true);
     } catch (problem) {
       form.classList.add("failed");
-      button.title = "The server did not answer: use the hardware stop.";
+      button.title = form.dataset.failed;
     } finally {
       button.classList.remove("pressed");
     }

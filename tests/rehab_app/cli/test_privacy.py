@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 from rehab_app.cli.app import app
 from rehab_app.cli.privacy import ENVIRONMENT
+from rehab_app.services import age
 
 SENTENCE = "a long sentence for the safe"
 
@@ -17,6 +18,20 @@ def run(*arguments):
     result = CliRunner().invoke(app, [*(str(item) for item in arguments), "--json"])
     assert "Traceback" not in result.output
     return result.exit_code, json.loads(result.stdout)
+
+
+def _open(locked, passphrase):
+    key, _, text = locked.decode().partition("|")
+    if key != passphrase:
+        raise age.Unreadable("wrong")
+    return text
+
+
+@pytest.fixture(autouse=True)
+def quick_passphrases(monkeypatch):
+    """What makes guessing slow takes seconds each time; the services' tests keep one of them real."""
+    monkeypatch.setattr(age, "lock", lambda text, passphrase: f"{passphrase}|{text}".encode())
+    monkeypatch.setattr(age, "unlock", _open)
 
 
 @pytest.fixture

@@ -62,10 +62,10 @@ def test_angles_of_a_hand_laid_out_by_hand() -> None:
     p_m[0, at("wrist")], p_m[0, at("index_mcp")] = 0.0, [0.0, 0.0, 0.08]
     p_m[0, at("thumb_mcp")] = [0.0, 0.05 * np.sin(0.9), 0.05 * np.cos(0.9)]
     assert aperture_rad(p_m)[0] == pytest.approx(0.9)
-    # proximal bones of one length that meet at one knuckle: their PIPs subtend the angle between them
-    for name, angle in (("index", 0.2), ("middle", -0.15)):
+    # proximal bones of any lengths that meet at one knuckle: their PIPs subtend the angle between them
+    for name, angle, bone_m in (("index", 0.2, 0.041), ("middle", -0.15, 0.049)):
         p_m[0, at(f"{name}_mcp")] = [0.0, 0.0, 0.08]
-        p_m[0, at(f"{name}_pip")] = [0.0, 0.045 * np.sin(angle), 0.08 + 0.045 * np.cos(angle)]
+        p_m[0, at(f"{name}_pip")] = [0.0, bone_m * np.sin(angle), 0.08 + bone_m * np.cos(angle)]
     assert abduction_rad(p_m)[0, 0] == pytest.approx(0.35)
     # a thumb in the direction that the DLR-HIT-Hand II has it fixed in: 35.51 and 44.13 deg
     up, out = np.cos(THUMB_INCLINATION_RAD), np.sin(THUMB_INCLINATION_RAD)

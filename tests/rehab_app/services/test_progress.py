@@ -116,6 +116,9 @@ def test_work_aside_answers_refuses_and_fails_in_sentences():
 def test_the_set_ups_own_repeatability_is_the_bound(clinic):
     patient = added(clinic, "Ute")
     kept_session(clinic, 41, patient)
-    row = '[{"name": "range_of_motion", "subject": "index_pip", "sem": 0.03, "mdc95": 0.096, "trials": 5}]'
+    row = (
+        '[{"name": "range_of_motion", "subject": "index_pip", "source": "encoder", '
+        '"sem": 0.03, "mdc95": 0.096, "trials": 5}]'
+    )
     clinic.catalogue.set(Setting(key="repeatability", content=row, by="console"))
-    assert clinic.progress.of_patient(patient).bounds == (("range_of_motion", "index_pip", 0.096),)
+    assert clinic.progress.of_patient(patient).bounds == (("range_of_motion", "index_pip", "encoder", 0.096),)

@@ -28,7 +28,11 @@ def test_a_passive_limb_leaves_all_work_to_the_robot(stiffness: float, damping: 
 
 def test_no_gain_is_no_share() -> None:
     assert share(np.zeros(T.size)) == 0.0
-    assert share(0.004 * np.sin(T)) == 0.0
+    assert share(0.0002 * np.sin(T)) == 0.0
+
+
+def test_below_the_floor_of_the_sensor_nobody_can_tell_who_worked() -> None:
+    assert math.isnan(share(0.004 * np.sin(T)))
 
 
 def test_a_patient_who_drags_the_robot_along_does_all_the_work() -> None:

@@ -39,7 +39,9 @@ def test_a_change_is_real_only_beyond_what_this_set_up_can_tell(
     mdc_deg: float, gain_deg: float, verdict: str
 ) -> None:
     found = progress(
-        past(0), past(1, pip_deg=40.0 + gain_deg), bounds=(("range_of_motion", "", math.radians(mdc_deg)),)
+        past(0),
+        past(1, pip_deg=40.0 + gain_deg),
+        bounds=(("range_of_motion", "", "encoder", math.radians(mdc_deg)),),
     )
     shown = line(found, *ROM)
     assert shown is not None
@@ -109,6 +111,15 @@ def test_baseline_last_and_now_are_of_comparable_sessions_only() -> None:
     assert shown.others[0] == 1
 
 
+def test_what_a_camera_can_tell_is_no_bound_for_an_encoder() -> None:
+    bounds = (("range_of_motion", "", "camera", math.radians(30.0)),)
+    by_camera = line(progress(past(0), past(1, pip_deg=60.0), bounds=bounds), *ROM)
+    without = line(progress(past(0), past(1, pip_deg=60.0)), *ROM)
+    assert by_camera is not None
+    assert without is not None
+    assert by_camera.change == without.change
+
+
 def test_the_sentences_credit_nobody_and_call_nothing_real_that_may_be_nothing() -> None:
     for gain in (0.0, 1.9, 4.0, 12.0):
         words = told(progress(past(0), past(1, pip_deg=40.0 + gain)))
@@ -118,7 +129,7 @@ def test_the_sentences_credit_nobody_and_call_nothing_real_that_may_be_nothing()
 
 
 def test_a_gain_that_stretching_alone_makes_is_called_that() -> None:
-    bounds = (("range_of_motion", "", math.radians(1.0)),)
+    bounds = (("range_of_motion", "", "encoder", math.radians(1.0)),)
     numbers = (kept("range_of_motion", "index_pip", math.radians(41.8), 0.001),)
     first = replace(past(0), numbers=(kept("range_of_motion", "index_pip", math.radians(40.0), 0.001),))
     found = progress(first, replace(past(1), numbers=numbers), bounds=bounds)

@@ -1,0 +1,132 @@
+"""Accessibility: axe-core finds nothing serious on any page of the shell, in either language."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+
+from rehab_app.access import CONSOLE
+from rehab_app.bootstrap import open_clinic
+from rehab_app.web.language import COOKIE, LANGUAGES
+
+pytestmark = pytest.mark.browser
+
+AXE = Path(__file__).parents[1] / "foreign" / "node_modules" / "axe-core" / "axe.min.js"
+ADMINISTRATOR, PASSWORD = "ada", "a hand that opens"
+PAGES = (
+    "/live",
+    "/help",
+    "/patients",
+    "/patients/new",
+    "/patients/{patient}",
+    "/patients/{patient}/edit",
+    "/patients/{patient}/diagnosis",
+    "/patients/{patient}/limits",
+    "/patients/{patient}/plan",
+    "/patients/{patient}/progress",
+    "/patients/{patient}/assessments",
+    "/patients/{patient}/outcomes",
+    "/patients/{patient}/journal",
+    "/patients/{patient}/sessions",
+    "/patients/{patient}/data",
+    "/patients/{patient}/compare",
+    "/patients/{patient}/next",
+    "/exercises",
+    "/exercises/open_close",
+    "/takes",
+    "/takes/{take}",
+    "/takes/{take}/report",
+    "/takes/{take}/names",
+    "/sessions",
+    "/mine",
+    "/account",
+    "/clinic",
+    "/clinic/users",
+    "/clinic/audit",
+    "/clinic/devices",
+    "/clinic/calibration",
+    "/clinic/backup",
+    "/there-is-no-such-page",
+)
+SERIOUS = {"serious", "critical"}
+
+
+@pytest.fixture(scope="module")
+def axe():
+    """The text of axe-core; without it a skip, and in CI a failure."""
+    if not AXE.is_file():
+        fail = pytest.fail if os.environ.get("CI") == "true" else pytest.skip
+        fail("axe-core is absent: run npm install in tests/foreign")
+    return AXE.read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def ids(served):
+    """A patient and a take of the clinic, and an administrator, who may open every page."""
+    with open_clinic(served.folder) as clinic:
+        clinic.accounts.add_user(ADMINISTRATOR, "administrator", PASSWORD, CONSOLE)
+        take = clinic.takes.record_virtual("open_close", "right", 1.5, 3, CONSOLE)
+        return {"patient": clinic.patients.list()[0].id, "take": take.take}
+
+
+def violations(page, axe):
+    """What axe-core calls serious or critical, one line each; pictures in frames are other pages."""
+    # evaluated by the driver, which the page's content policy does not bind
+    page.evaluate(axe + "; 0")
+    found = page.evaluate(
+        "async () => (await axe.run(document, { iframes: false, resultTypes: ['violations'] })).violations"
+    )
+    return [
+        f"{one['id']}: {node['target']} {node['html'][:120]}"
+        for one in found
+        if one["impact"] in SERIOUS
+        for node in one["nodes"]
+    ]
+
+
+def sign_in(page, served):
+    page.goto(served.address + "/sign-in")
+    page.fill("input[name=name]", ADMINISTRATOR)
+    page.fill("input[name=password]", PASSWORD)
+    page.click("main button[type=submit]")
+    page.wait_for_url(re.compile(r"/(live|patients|clinic|$)"))
+
+
+def test_no_page_has_a_serious_violation(page, served, ids, axe):
+    problems = {}
+    for language in LANGUAGES:
+        page.context.add_cookies([{"name": COOKIE, "value": language, "url": served.address}])
+        if language == "en":
+            page.goto(served.address + "/sign-in")
+            problems["/sign-in"] = violations(page, axe)
+            sign_in(page, served)
+        for path in PAGES:
+            # a report is measured while its page waits: leave it only when it is there
+            until = "load" if path.endswith(("/report", "/progress")) else "domcontentloaded"
+            answer = page.goto(served.address + path.format(**ids), wait_until=until)
+            assert answer.ok or path == PAGES[-1], path
+            assert page.get_attribute("html", "lang") == language
+            problems[f"{language} {path}"] = violations(page, axe)
+    assert not {path: found for path, found in problems.items() if found}
+
+
+def test_every_page_of_the_shell_is_looked_at(served, ids):
+    """A page that is added later must be added above."""
+    from rehab_app.web import create_app
+
+    apart = re.compile(
+        r"^/($|sign-in|set-up|stop/|here|kept|unlock|prescribe|exercise-pictures|live/.|sessions/.)"
+        r"|/view/|/state$|/first.jpg$|\.(svg|csv|html|json|\{)|\.\{?format|/board|/file/|^/takes/.*/compare$"
+    )
+    with open_clinic(served.folder) as clinic:
+        paths = {
+            route.path
+            for route in create_app(clinic, open_viewports=lambda _: None).routes
+            if "GET" in (getattr(route, "methods", None) or ())
+        }
+    shapes = {path.format(patient="{patient}", take="{recording}") for path in PAGES}
+    shapes = {re.sub("^/exercises/.*", "/exercises/{name:path}", shape) for shape in shapes}
+    assert not {path for path in paths if not apart.search(path)} - shapes
