@@ -126,7 +126,7 @@ def test_stop_stops_the_motion_and_stays(page, look):
     if state(page) != "playing":
         start_playing(page)
     page.keyboard.press("Escape")
-    expect(page.get_by_text("STOPPED. Nothing moves")).to_be_visible()
+    expect(page.locator("#latched")).to_be_visible()
     expect(desk(page)).to_have_attribute("data-state", "stopped")
     expect(page.get_by_text(re.compile("^Session [0-9a-f]{8}"))).to_be_visible()
     still = desk(page).get_attribute("data-frame")
@@ -135,14 +135,14 @@ def test_stop_stops_the_motion_and_stays(page, look):
     assert drawn_frame(page) == int(still or "-1")
     look("07-stopped", tablet=True)
     page.goto(page.url.replace("/live", "/patients"))
-    expect(page.get_by_text("STOPPED. Nothing moves")).to_be_visible()
+    expect(page.locator("#latched")).to_be_visible()
 
 
 def test_the_stop_is_cleared_by_somebody_who_looked(page):
     button(page, "Clear the stop").click()
-    expect(page.get_by_text("STOPPED. Nothing moves")).to_be_visible()
+    expect(page.locator("#latched")).to_be_visible()
     clear_stop(page)
-    expect(page.get_by_text("STOPPED. Nothing moves")).to_be_hidden()
+    expect(page.locator("#latched")).to_be_hidden()
 
 
 def test_review_follows_the_time_bar(page, served, look):
@@ -187,7 +187,7 @@ def test_the_stop_key_works_from_inside_the_picture(page, served):
     picture = page.frame_locator("iframe[data-viewport]")
     picture.locator("canvas[data-engine]").click(position={"x": 60, "y": 400})
     page.keyboard.press("Escape")
-    expect(page.get_by_text("STOPPED. Nothing moves")).to_be_visible()
+    expect(page.locator("#latched")).to_be_visible()
 
 
 def test_no_script_failed(page):

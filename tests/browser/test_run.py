@@ -139,8 +139,8 @@ def test_todays_range_is_measured_and_the_form_says_so(page, look):
     expect(page.locator("#said")).to_contain_text("Today's range is measured")
     expect(page.locator("[data-show=limits]")).to_have_text(re.compile(r"Measured today \d\d:\d\d, wrist 0°"))
     look("36-measured", tablet=True)
-    page.get_by_label("Wrist").fill("40")
-    page.get_by_label("Wrist").blur()
+    page.locator("#panel-play input[name=wrist]").fill("40")
+    page.locator("#panel-play input[name=wrist]").blur()
     expect(page.locator("[data-show=limits]")).to_contain_text("Wrist angle is 40 degrees")
     look("37-another-wrist")
 
