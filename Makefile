@@ -62,7 +62,7 @@ $(STAMP): pyproject.toml
 	@touch $@
 
 $(DEV_STAMP): $(STAMP)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,markerless,openni,parquet,realsense,ros2]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,dask,markerless,openni,parquet,postgres,realsense,ros2,s3]'
 	@touch $@
 
 clean:

@@ -49,9 +49,26 @@ function fitAim() {
   for (const part of aim.querySelectorAll("[data-of]")) part.hidden = !part.dataset.of.split(" ").includes(kind);
   aim.querySelector("[data-size]").textContent = kind === "box" ? WORDS.thickness : WORDS.diameter;
 }
+let wanted = null;
+let asking = false;
+async function askAim() { // one request at a time, always the newest choice: answers never overtake each other
+  if (asking) return;
+  asking = true;
+  try {
+    while (wanted) {
+      const fields = wanted;
+      wanted = null;
+      await ask("/live/target", fields);
+    }
+  } finally {
+    asking = false;
+  }
+}
 aim.addEventListener("change", () => {
   fitAim();
-  if (aim.reportValidity()) ask("/live/target", Object.fromEntries(new FormData(aim)));
+  if (!aim.reportValidity()) return;
+  wanted = Object.fromEntries(new FormData(aim));
+  askAim();
 });
 fitAim();
 
