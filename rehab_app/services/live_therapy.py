@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 
 from rehab_app.access import Account
 from rehab_app.errors import Refused
@@ -32,6 +33,16 @@ _BEAT_NICE = -10
 _SILENT = ("order-refused Resume", "order-refused Reset", "operator-silent", "reset", "repetitions", "sweep")
 """What the page shows in another way, or asks for again by itself."""
 GOING = {"therapy": "Playing.", "range": "Measuring today's range.", "fit": "Checking the fit."}
+
+
+@contextlib.contextmanager
+def _short_collections() -> Generator[None]:
+    """What lives already is not searched for garbage: a full search held the heartbeat up for .2 to .6 s."""
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
 
 
 class TherapyJob:
@@ -163,6 +174,7 @@ class TherapyJob:
         if self._stopped:
             self._board.update(message="Stopped before the robot moved.")
             return
+        gc.collect()  # while nothing moves yet
         self._board.update(state="playing", message=self._going)
         self.hear_operator()
         helpers = [
@@ -172,7 +184,8 @@ class TherapyJob:
         for helper in helpers:
             helper.start()
         try:
-            finished = self._work.perform(certificate, client, self._hear)
+            with _short_collections():
+                finished = self._work.perform(certificate, client, self._hear)
         finally:
             self._done.set()
             for helper in helpers:
