@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,10 +13,11 @@ from rehab_app.access import CONSOLE
 from rehab_app.config import ClinicFolder
 from rehab_app.errors import Refused
 from rehab_app.services.audit import Audit
+from rehab_app.services.left_over import sweep, unentered
 from rehab_app.services.takes import Takes
 from sessions.catalogue import Catalogue, TherapySession
 from sessions.records import SessionHeader
-from sessions.store import SessionReader, partials, recover
+from sessions.store import SealedSession, SessionReader, partials, recover, verify
 
 _WHO = "start of the server"
 
@@ -64,21 +66,30 @@ class Interrupted:
     def restore(self) -> tuple[Restored, ...]:
         """Restore every unsealed recording that no living process writes; the pages show what was found.
 
-        An unsealed file is removed once what it held is sealed and entered; else it stays as it was.
+        An unsealed file is removed once what it held is sealed and entered; else it stays as it was. A file
+        that was sealed but never entered is entered. Forgotten working files are removed.
         """
         with self._working:
+            sweep(self._folder)
             waiting = (*partials(self._folder.takes), *partials(self._folder.sessions))
-            self.found = (*self.found, *(self._one(path) for path in waiting))
+            self._tell(self._one(path, _recovered) for path in waiting)
+            self._tell(self._one(path, _proven) for path in unentered(self._folder, self._catalogue))
             return self.found
 
-    def _one(self, path: Path) -> Restored:
+    def _tell(self, restored: Iterable[Restored]) -> None:
+        """Show what was found; trouble that was told before is not told again."""
+        new = [one for one in restored if one not in self.found]
+        self.found = (*self.found, *new)
+
+    def _one(self, path: Path, seal: Callable[[Path], SealedSession]) -> Restored:
         try:
-            sealed = recover(path).sealed
+            sealed = seal(path)
             restored = self._enter(sealed.path, sealed.sha256)
         except (Refused, OSError) as problem:
-            trouble = f"{path.name} was never sealed and could not be restored: {problem}"
+            trouble = f"{path.name} was interrupted and could not be restored: {problem}"
             return Restored("", "", 0, trouble)
-        path.unlink(missing_ok=True)
+        if sealed.path != path:
+            path.unlink(missing_ok=True)
         self._audit.note_later(_WHO, "restore interrupted recording", restored.id)
         return restored
 
@@ -108,6 +119,15 @@ class Interrupted:
 
     def _take(self, header: SessionHeader) -> str:
         return next((row.id for row in self._takes.list() if row.sha256 in header.parents), "")
+
+
+def _recovered(path: Path) -> SealedSession:
+    return recover(path).sealed
+
+
+def _proven(path: Path) -> SealedSession:
+    proof = verify(path)
+    return SealedSession(path, proof.sha256, proof.bytes)
 
 
 def _mode(header: SessionHeader) -> str:

@@ -6,6 +6,7 @@ import contextlib
 import fcntl
 import hashlib
 import os
+import threading
 from pathlib import Path
 from typing import BinaryIO
 
@@ -31,6 +32,8 @@ class HashedFile:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         self._hash = hashlib.sha256()
         self._size = 0
+        self._settling = threading.Lock()
+        sync_folder(path.parent)  # a power cut must not lose the name of what is settled
 
     def write(self, data: bytes) -> int:
         """Append bytes; they reach the system with ``flush``."""
@@ -46,6 +49,12 @@ class HashedFile:
         """Hand everything to the operating system, which keeps it even if this process is killed."""
         self._file.flush()
 
+    def settle(self) -> None:
+        """Wait until the disk has what the system was handed; any thread, beside one that writes."""
+        with self._settling:
+            if not self._file.closed:
+                os.fdatasync(self._file.fileno())
+
     def sync(self) -> None:
         """Flush, and wait until the disk has it."""
         self._file.flush()
@@ -53,7 +62,8 @@ class HashedFile:
 
     def close(self) -> None:
         """Close the file; safe to call twice."""
-        self._file.close()
+        with self._settling:
+            self._file.close()
 
     def sha256(self) -> str:
         """Digest of everything written so far, in hexadecimal."""
@@ -111,8 +121,17 @@ def publish(partial: Path, path: Path, sha256: str) -> None:
         os.fsync(file.fileno())
     Path(file.name).replace(digest)
     partial.rename(path)
-    folder = os.open(path.parent, os.O_RDONLY)
+    sync_folder(path.parent)
+
+
+def sync_folder(folder: Path) -> None:
+    """Wait until the disk has the names in a folder.
+
+    Raises:
+        OSError: The folder cannot be read.
+    """
+    descriptor = os.open(folder, os.O_RDONLY)
     try:
-        os.fsync(folder)
+        os.fsync(descriptor)
     finally:
-        os.close(folder)
+        os.close(descriptor)

@@ -16,14 +16,16 @@ from sessions.store import refusals
 from sessions.store.codec import codec_for
 from sessions.store.container import MAGIC, RawMessage, Source, inner_spans, messages, unpack
 from sessions.store.damage import Damaged
-from sessions.store.diskfile import PARTIAL_SUFFIX, SUFFIX, is_being_written, partial_path
+from sessions.store.diskfile import PARTIAL_SUFFIX, SUFFIX, is_being_written, partial_path, publish
 from sessions.store.foreign import describe, session_texts_at_start
 from sessions.store.header import header_from_texts
 from sessions.store.integrity import RECOVERY_NAME, verify
-from sessions.store.reader import check_channel
+from sessions.store.reader import SessionReader, check_channel
 from sessions.store.summary import Summary, read_summary
 from sessions.store.writer import SealedSession, SessionWriter
 from sessions.timebase import Timebase
+
+_RECOVERING = ".recovering"
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +33,7 @@ class Recovery:
     """What was restored.
 
     Attributes:
-        sealed: The new file; the old one stays as it was.
+        sealed: The new file; the old one stays as it was, unless it only lacked its final name.
         records: How many records it holds.
         lost_records: Records that were met but could not be read.
         lost_chunks: Chunks that were met but could not be read.
@@ -46,11 +48,15 @@ class Recovery:
 def partials(folder: Path) -> tuple[Path, ...]:
     """Sessions in a folder that were never sealed and that no living process is writing."""
     found = sorted(folder.glob(f"*{PARTIAL_SUFFIX}"))
-    return tuple(path for path in found if not is_being_written(path))
+    own = f"{_RECOVERING}{PARTIAL_SUFFIX}"  # what a recovery was writing is written anew from its source
+    return tuple(path for path in found if not path.name.endswith(own) and not is_being_written(path))
 
 
 def recover(path: Path, out: Path | None = None) -> Recovery:
     """Write all complete records of an unsealed, cut or damaged session into a new sealed file.
+
+    A partial session that was ended in the last step of its sealing is whole: it only gets its name. One
+    that was recovered already, but not removed, is not recovered twice.
 
     Args:
         path: The file; it is only read.
@@ -64,9 +70,13 @@ def recover(path: Path, out: Path | None = None) -> Recovery:
         raise Refused(f"file {path.name!r}", "being recorded", "at rest", "stop the recording first")
     with refusals.refusing(path), Source(path) as source:
         header = _header(path, source)
+        finished = _finished(path, header, target) if out is None else None
+        if finished is not None:
+            return finished
         _refuse_whole(path)
         scan = _Scan(source, header)
-        working = partial_path(target.with_name(f"{target.name.removesuffix(SUFFIX)}.recovering{SUFFIX}"))
+        stem = target.name.removesuffix(SUFFIX)
+        working = partial_path(target.with_name(f"{stem}{_RECOVERING}{SUFFIX}"))
         working.unlink(missing_ok=True)
         try:
             sealed, count = _rewrite(scan, header, target, working)
@@ -74,6 +84,29 @@ def recover(path: Path, out: Path | None = None) -> Recovery:
             working.unlink(missing_ok=True)
             raise
     return Recovery(sealed, count, scan.lost_records, scan.lost_chunks)
+
+
+def _finished(path: Path, header: SessionHeader, target: Path) -> Recovery | None:
+    """What an interrupted seal or recovery of a partial session lacked but for its last step, else None."""
+    if not path.name.endswith(PARTIAL_SUFFIX):
+        return None
+    made = target if target.exists() else path
+    try:
+        proof = verify(made)
+    except Refused:
+        return None
+    with SessionReader(made) as reader:
+        if reader.header.session_id != header.session_id:
+            return None
+        lost = reader.metadata(RECOVERY_NAME) or {}
+    if made == path:
+        publish(path, target, proof.sha256)
+    return Recovery(
+        SealedSession(target, proof.sha256, proof.bytes),
+        sum(proof.records.values()),
+        int(lost.get("lost_records", "0")),
+        int(lost.get("lost_chunks", "0")),
+    )
 
 
 def _rewrite(scan: _Scan, header: SessionHeader, target: Path, working: Path) -> tuple[SealedSession, int]:

@@ -55,7 +55,8 @@ class SessionWriter:
 
     The file grows as ``<stem>.partial.mcap`` and takes its final name only in ``seal``. Leaving the context
     without sealing, by an exception or not, leaves the partial file, which ``recover`` can read. Whatever was
-    written more than half a second ago, in time of the clock or of the messages, has reached the system.
+    written more than half a second ago, in time of the clock or of the messages, has reached the system; what
+    was written more than a second ago by the clock has reached the disk, so a power cut loses no more.
 
     Args:
         path: Final name, ending in ``.mcap``; must not exist.
@@ -78,6 +79,7 @@ class SessionWriter:
         self._closed = False
         self._failure: OSError | None = None
         self._pending = False
+        self._settled = True
         self._flushed_ns = header.utc_start_ns
         self._start()
 
@@ -110,7 +112,7 @@ class SessionWriter:
                     stream.channel_id, utc_ns, data, self._utc(first_ns), stream.sequence & 0xFFFFFFFF
                 )
                 self._overview.see(topic.name, last_ns, record)
-                self._pending = True
+                self._pending, self._settled = True, False
                 if abs(utc_ns - self._flushed_ns) >= FLUSH_NS:
                     self._flushed_ns = utc_ns
                     self._flush()
@@ -221,12 +223,16 @@ class SessionWriter:
         self._side = SideFlush(FLUSH_NS / 1e9, self._flush_aside)
 
     def _flush_aside(self) -> None:
-        with self._lock:
-            if self._pending and not self._closed and self._failure is None:
-                try:
+        try:
+            with self._lock:
+                if self._settled or self._closed or self._failure is not None:
+                    return
+                if self._pending:
                     self._flush()
-                except OSError as error:
-                    self._failure = error  # the next call of the recorder says so
+                self._settled = True
+            self._file.settle()  # without the lock: the recorder never waits for the disk
+        except OSError as error:
+            self._failure = error  # the next call of the recorder says so
 
     def _flush(self) -> None:
         self._writer.flush()

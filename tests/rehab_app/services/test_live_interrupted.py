@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import time
 
 import pytest
 
 from rehab_app.access import CONSOLE
 from rehab_app.bootstrap import open_clinic
 from rehab_app.services.order import Order
-from sessions.store import SessionReader, verify
+from sessions.store import SessionReader, recover, verify
 
 
 @pytest.fixture(scope="module")
@@ -60,3 +62,70 @@ def test_what_cannot_be_restored_stays_and_is_said(clinic):
     (restored,) = opened.interrupted.restore()
     assert "could not be restored" in restored.trouble
     assert partial.exists()
+
+
+def test_a_session_killed_in_the_last_step_of_sealing_gets_its_name_and_is_entered(clinic, killed):
+    opened, patient, _, partial = clinic
+    partial.write_bytes(killed[3])
+    (restored,) = opened.interrupted.restore()
+    assert (restored.kind, restored.trouble) == ("sessions", "")
+    row = opened.sessions.get(restored.id)
+    assert row.patient_id == patient
+    assert row.path.read_bytes() == killed[3]
+    assert not partial.exists()
+
+
+def test_a_session_that_was_recovered_but_not_removed_is_entered_once(clinic):
+    opened, _, _, partial = clinic
+    before = len(opened.sessions.list())
+    recover(partial)  # and the server was killed here
+    (restored,) = opened.interrupted.restore()
+    assert restored.trouble == ""
+    assert len(opened.sessions.list()) == before + 1
+    assert not partial.exists()
+
+
+def test_what_was_sealed_but_never_entered_is_entered_once_it_is_at_rest(clinic, killed):
+    opened, patient, _, partial = clinic
+    partial.unlink()
+    stray = partial.with_name("20260101T000000Z-0badcafe.mcap")
+    stray.write_bytes(killed[3])
+    assert opened.interrupted.restore() == ()  # whoever sealed it may be entering it now
+    an_hour_ago(stray)
+    (restored,) = opened.interrupted.restore()
+    assert opened.sessions.get(restored.id).patient_id == patient
+    assert opened.interrupted.restore() == (restored,)
+    assert stray.exists()
+
+
+def test_a_damaged_stray_is_told_once_and_stays(clinic):
+    opened, _, _, partial = clinic
+    stray = partial.rename(partial.with_name("20260101T000000Z-0badcafe.mcap"))
+    an_hour_ago(stray)
+    (told,) = opened.interrupted.restore()
+    assert "could not be restored" in told.trouble
+    assert opened.interrupted.restore() == (told,)
+    assert stray.exists()
+
+
+def test_forgotten_working_files_are_removed_and_fresh_ones_are_not(clinic):
+    opened, _, _, partial = clinic
+    partial.unlink()
+    forgotten = partial.with_name("a.recovering.partial.mcap"), opened.folder / ".ledger.part"
+    fresh = opened.folder / ".other.part"
+    aside = opened.folder / ".backup-abc"
+    aside.mkdir()
+    (aside / "copy").write_bytes(b"x")
+    for path in (*forgotten, fresh):
+        path.write_bytes(b"x")
+    for path in (*forgotten, aside):
+        an_hour_ago(path)
+    opened.interrupted.restore()
+    assert not any(path.exists() for path in (*forgotten, aside))
+    assert fresh.exists()
+
+
+def an_hour_ago(path):
+    """Make a file look as if nobody had touched it since."""
+    then_s = time.time() - 4000.0
+    os.utime(path, (then_s, then_s))
