@@ -1,4 +1,4 @@
-"""What an interrupted act leaves in a clinic folder: sealed files never entered, working files never ended."""
+"""What an interrupted act leaves in a clinic folder: sealed files never entered, working files forgotten."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ import numpy as np
 from sessions.errors import Refused
 from sessions.store import partials, recover, verify
 
-from .recording import PAGE_BYTES, PERIOD_NS, Page, check_rows, name_of, record_for_ever
+from .recording import PERIOD_NS, Page, check_rows, name_of, record_for_ever
 
 LOSS_NS = 1_000_000_000
 
@@ -62,7 +62,7 @@ def campaign(folder: Path, kills: int, seed: int) -> Tally:
         AssertionError: A sealed session was harmed, or more than a second was lost.
     """
     rng, tally, first = np.random.default_rng(seed), Tally(), 0
-    page = Page(mmap.mmap(-1, PAGE_BYTES))
+    page = Page(mmap.mmap(-1, mmap.PAGESIZE))
     for _ in range(kills):
         page.tell(first, 0, 0)
         _killed(folder, page, first, rng)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 from mmap import mmap
 from pathlib import Path
 
@@ -14,28 +13,32 @@ from sessions.store import SessionReader, SessionWriter
 
 PERIOD_NS = 10_000_000
 EVENT_EVERY = 500
-_PAGE = struct.Struct("<qqq")
-PAGE_BYTES = _PAGE.size
 
 
 class Page:
     """What a recording has told, in memory that outlives it.
 
     Args:
-        memory: Shared memory of at least ``PAGE_BYTES``.
+        memory: Shared memory of at least three integers of 64 bits.
     """
 
     def __init__(self, memory: mmap) -> None:
-        self._memory = memory
+        self._told = np.frombuffer(
+            memory, np.int64
+        )  # one store each: a kill leaves the old number or the new
 
     def tell(self, number: int, rows: int, sealed: int) -> None:
         """Say which session grows, how many rows were written to it, and how many sessions are sealed."""
-        _PAGE.pack_into(self._memory, 0, number, rows, sealed)
+        if rows == 0:
+            self._told[1] = 0  # before the number: rows never belong to a later session
+        self._told[0] = number
+        self._told[1] = rows
+        self._told[2] = sealed
 
     @property
     def told(self) -> tuple[int, int, int]:
         """The number of the session, its rows, and how many are sealed."""
-        number, rows, sealed = _PAGE.unpack_from(self._memory, 0)
+        number, rows, sealed = self._told.tolist()
         return number, rows, sealed
 
 
