@@ -23,9 +23,8 @@ class Page:
     """
 
     def __init__(self, memory: mmap) -> None:
-        self._told = np.frombuffer(
-            memory, np.int64
-        )  # one store each: a kill leaves the old number or the new
+        # one store each, so that a kill leaves the old number or the new
+        self._told = np.frombuffer(memory, np.int64, 3)
 
     def tell(self, number: int, rows: int, sealed: int) -> None:
         """Say which session grows, how many rows were written to it, and how many sessions are sealed."""
