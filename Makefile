@@ -8,7 +8,7 @@ DEV_STAMP := $(VENV)/.installed-dev
 PYTEST := $(BIN)/python -m pytest
 WORKERS ?= 2
 
-.PHONY: demo test check bench bench-tracking bench-motion fuzz mutate messages examples tools clean
+.PHONY: demo test check bench bench-tracking bench-motion fuzz durability mutate messages examples tools clean
 
 demo: $(STAMP)
 	@$(BIN)/rehab-app demo --serve
@@ -34,6 +34,11 @@ bench-tracking: $(DEV_STAMP)
 
 fuzz: $(DEV_STAMP)
 	$(BIN)/python -m tests.bench.motion.fuzz
+
+# A thousand recordings killed at random moments, and a hundred migrations, backups, restorings and erasures.
+durability: $(DEV_STAMP)
+	$(BIN)/python -m tests.bench.durability.kills --kills 1000
+	$(BIN)/python -m tests.bench.durability.acts --kills 100
 
 # In a copy: cosmic-ray changes the sources that it tests. MUTANTS=0 tries them all, which takes hours.
 MUTANTS ?= 200
