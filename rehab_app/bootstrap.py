@@ -12,7 +12,7 @@ import socket
 from pathlib import Path
 
 from rehab_app import __version__
-from rehab_app.config import resolve_folder
+from rehab_app.config import Settings, load_settings, resolve_folder
 from rehab_app.errors import Refused
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.later import later
@@ -20,22 +20,26 @@ from rehab_app.services.lease import ServerLease
 from rehab_app.services.wiring import Wiring
 
 
-def open_clinic(folder: Path | None = None, serving: bool = False) -> Clinic:
+def open_clinic(
+    folder: Path | None = None, serving: bool = False, settings: Settings | None = None
+) -> Clinic:
     """Open (and where needed create) a clinic folder.
 
     Args:
         folder: The folder, None for the default (``REHAB_DATA`` or the user's data folder).
         serving: Take the exclusive lease of the one server, and build every service at once.
+        settings: What a person set, None to read it from the file and the environment.
 
     Returns:
         A context manager that closes the clinic.
 
     Raises:
-        Refused: The folder cannot be used, or another server holds it.
+        Refused: The folder cannot be used, a setting is wrong, or another server holds it.
     """
     place = resolve_folder(folder).create()
+    held = load_settings(place).settings if settings is None else settings
     lease = ServerLease(place.lease) if serving else None
-    wiring = Wiring(place, serving)
+    wiring = Wiring(place, serving, held)
     wiring.erasures.finish()
     wiring.audit.start()
     if serving:
@@ -48,6 +52,7 @@ def _clinic(wiring: Wiring, lease: ServerLease | None) -> Clinic:
         folder=wiring.place.root,
         catalogue=wiring.catalogue,
         version=__version__,
+        settings=wiring.settings,
         audit=wiring.audit,
         accounts=later(lambda: wiring.accounts),
         patients=later(lambda: wiring.patients),

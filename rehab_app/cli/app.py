@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -13,6 +14,7 @@ from rehab_app.cli.calibration_files import calibrate
 from rehab_app.cli.camera import camera
 from rehab_app.cli.exercises import exercise, withdraw
 from rehab_app.cli.grasp import grasp
+from rehab_app.cli.installation import config, unit, use_file
 from rehab_app.cli.limits import limits
 from rehab_app.cli.patient_more import outcome
 from rehab_app.cli.progress_report import progress
@@ -40,16 +42,28 @@ def _show_version(wanted: bool) -> None:
 
 @app.callback()
 def root(
+    context: typer.Context,
+    file: Annotated[
+        Path | None,
+        typer.Option(
+            "--config",
+            help="Settings (else REHAB_CONFIG, else rehab-app.toml in the clinic folder).",
+            show_default=False,
+        ),
+    ] = None,
     version: Annotated[
         bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
     """Record a therapist's hand, replay it on a hand robot, report the patient's progress."""
+    use_file(context, file)
 
 
 app.command("demo")(demo.demo)
 app.command("serve")(serving.serve)
 app.command("doctor")(serving.doctor)
+app.command("config")(config)
+app.command("unit")(unit)
 app.command("import")(recording.import_)
 app.command("record")(recording.record)
 app.command("track")(track.track)

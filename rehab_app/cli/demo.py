@@ -53,9 +53,12 @@ def demo(
 def _headless(folder: Path, seconds: float, seed: int, output: Output) -> dict[str, Any]:
     from rehab_app.bootstrap import open_clinic
     from rehab_app.cli.demo_clinic import sample_patient
+    from rehab_app.config import Settings
     from rehab_app.services.walkthrough import walk
 
-    with open_clinic(folder) as clinic:
+    with open_clinic(
+        folder, settings=Settings()
+    ) as clinic:  # a demonstration never writes into the clinic's own
         made = walk(clinic, seconds, seed, sample_patient(clinic), output.say)
     output.say(f"{made.simulated_s:.0f} s of therapy in {made.wall_s:.1f} s. Report: {made.report_html}")
     return walk_json(made)

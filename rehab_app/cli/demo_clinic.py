@@ -10,6 +10,7 @@ from rehab_app.access import CONSOLE
 from rehab_app.bootstrap import check_port, open_clinic
 from rehab_app.cli.output import Output
 from rehab_app.cli.serving import shown
+from rehab_app.config import Settings
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.walkthrough import walk
 
@@ -32,7 +33,7 @@ def open_demo_clinic(folder: Path, host: str, port: int, seconds: float, seed: i
         Refused: The port is in use, or another server holds the folder.
     """
     check_port(host, port)
-    with open_clinic(folder, serving=True) as clinic:
+    with open_clinic(folder, serving=True, settings=Settings()) as clinic:  # never the clinic's own catalogue
         fill(clinic, seconds, seed, output)
         password = sign_in(clinic)
         from rehab_app.web import serve

@@ -13,7 +13,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from rehab_app.bootstrap import check_port
-from rehab_app.config import ClinicFolder
+from rehab_app.config import KEYS, ClinicFolder, load_settings
 from rehab_app.errors import Refused
 from robot_iface.build import real_device_advice
 from sessions.store import partials
@@ -22,6 +22,7 @@ _SPACE_BYTES = 1_000_000_000
 _LATENESS_TICKS = 300
 _TICK_NS = 1_000_000
 _LATE_NS = 5_000_000
+_OTHERS = 0o077
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +58,7 @@ def examine(folder: ClinicFolder, port: int) -> tuple[Finding, ...]:
         _lateness(),
         _space(folder),
         _port(port),
+        _settings(folder),
         *_unsealed(folder),
         *_real_hand(),
     )
@@ -136,6 +138,24 @@ def _port(port: int) -> Finding:
     except Refused as refusal:
         return Finding("port", False, str(refusal), "use another with --port")
     return Finding("port", True, f"{port} is free")
+
+
+def _settings(folder: ClinicFolder) -> Finding:
+    """Whether the settings can be read, and whether only their owner may read a secret in them."""
+    try:
+        loaded = load_settings(folder)
+    except Refused as refusal:
+        return Finding(
+            "settings", False, str(refusal), "rehab-app config shows what holds once it is corrected"
+        )
+    file, origins = loaded.file, loaded.origins
+    if file is None:
+        return Finding("settings", True, "no file; the defaults and the environment hold")
+    kept = [key.dotted for key in KEYS if key.secret and origins[key.dotted].startswith(file.name)]
+    if kept and file.stat().st_mode & _OTHERS:
+        found = f"{file} holds {', '.join(kept)}, and others may read it"
+        return Finding("settings", False, found, "let only its owner read it: chmod 600")
+    return Finding("settings", True, f"{file} is in order")
 
 
 def _real_hand() -> Iterator[Finding]:

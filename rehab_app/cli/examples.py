@@ -11,6 +11,7 @@ from pathlib import Path
 
 from rehab_app.access import CONSOLE
 from rehab_app.bootstrap import open_clinic
+from rehab_app.config import Settings
 from rehab_app.errors import Refused
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.order import Order
@@ -66,7 +67,7 @@ def make_examples(out: Path, seed: int, say: Callable[[str], None]) -> list[Path
     source = recordings()
     out.mkdir(parents=True, exist_ok=True)
     made: list[Path] = []
-    with tempfile.TemporaryDirectory() as folder, open_clinic(Path(folder)) as clinic:
+    with tempfile.TemporaryDirectory() as folder, open_clinic(Path(folder), settings=Settings()) as clinic:
         for example in EXAMPLES:
             say(f"{example.name}: {example.file}")
             made += _make(clinic, example, source / example.file, out, seed, say)

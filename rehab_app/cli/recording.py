@@ -17,9 +17,11 @@ if TYPE_CHECKING:
 def import_(
     file: Annotated[
         Path,
-        typer.Argument(metavar="FILE", help="Qualisys TSV, C3D, MediaPipe landmark .npz or glove .csv."),
+        typer.Argument(
+            metavar="FILE", help="Qualisys .tsv, .c3d, Leap .json.lz, landmark .npz or glove .csv."
+        ),
     ],
-    side: Side = "right",
+    side: Side = "",
     protocol: Annotated[
         str | None, typer.Option("--protocol", help="Marker protocol, by name or TOML file.")
     ] = None,

@@ -14,7 +14,7 @@ from sessions.errors import Refused
 from sessions.records.fields import Float64, Int64
 from sessions.records.names import FINGERS, LANDMARKS
 
-PROTOCOLS = ("thesis25", "mocap13", "mediapipe21", "fingertips5", "finger_thumb8")
+PROTOCOLS = ("thesis25", "mocap13", "mediapipe21", "leap20", "fingertips5", "finger_thumb8")
 """Names of the protocols that come with the application."""
 
 SEGMENTS: tuple[str, ...] = (

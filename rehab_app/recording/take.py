@@ -49,8 +49,9 @@ class TakeRecorder:
         Refused: The path cannot be written to, or the header states no hand.
     """
 
-    def __init__(self, path: Path, header: SessionHeader) -> None:
+    def __init__(self, path: Path, header: SessionHeader, shortest_s: float = SHORTEST_S) -> None:
         self.geometry = geometry_from_json(header.subject_hand)
+        self._shortest_s = shortest_s
         self._writer = SessionWriter(path, header)
         self._first_ns: int | None = None
         self._last_ns = 0
@@ -108,11 +109,11 @@ class TakeRecorder:
         """Finish the take.
 
         Raises:
-            Refused: It is shorter than a second: nothing is left of it then. Or the disk is full.
+            Refused: It is too short: nothing is left of it then. Or the disk is full.
         """
-        if self.duration_s < SHORTEST_S:
+        if self.duration_s < self._shortest_s:
             self.discard()
-            raise too_short(self.duration_s)
+            raise too_short(self.duration_s, self._shortest_s)
         return self._writer.seal()
 
     def discard(self) -> None:
@@ -132,14 +133,17 @@ class TakeRecorder:
 
 
 def write_take(
-    path: Path, header: SessionHeader, frames: Iterable[tuple[MarkerFrame, HandPose]]
+    path: Path,
+    header: SessionHeader,
+    frames: Iterable[tuple[MarkerFrame, HandPose]],
+    shortest_s: float = SHORTEST_S,
 ) -> SealedSession:
     """Write a whole take; whatever goes wrong, no file is left.
 
     Raises:
-        Refused: The take is shorter than a second, or the path cannot be written to.
+        Refused: The take is shorter than ``shortest_s``, or the path cannot be written to.
     """
-    with TakeRecorder(path, header) as recorder:
+    with TakeRecorder(path, header, shortest_s) as recorder:
         try:
             for markers, pose in frames:
                 recorder.add(markers, pose)
@@ -225,8 +229,8 @@ def read_motion(reader: SessionReader) -> HandMotion:
     )
 
 
-def too_short(duration_s: float) -> Refused:
-    """The refusal of a take shorter than a second."""
+def too_short(duration_s: float, shortest_s: float = SHORTEST_S) -> Refused:
+    """The refusal of a take that is too short to use."""
     return Refused(
-        "take", f"{duration_s:.2f} s long", f"{SHORTEST_S:g} s or longer", "record it again, for longer"
+        "take", f"{duration_s:.2f} s long", f"{shortest_s:g} s or longer", "record it again, for longer"
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
 
+from rehab_app.config import Settings
 from sessions.catalogue import Catalogue
 
 if TYPE_CHECKING:
@@ -50,6 +51,7 @@ class Clinic:
         folder: The clinic folder.
         catalogue: Its catalogue.
         version: Version of the application.
+        settings: What a person set of this installation.
         audit: The audit.
         accounts: Who may sign in.
         patients: Patients.
@@ -86,6 +88,7 @@ class Clinic:
     folder: Path
     catalogue: Catalogue
     version: str
+    settings: Settings
     audit: Audit
     accounts: Accounts
     patients: Patients

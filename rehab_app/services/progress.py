@@ -14,14 +14,16 @@ from rehab_app.errors import Refused
 from rehab_app.services.aside import aside
 from rehab_app.services.audit import Audit
 from rehab_app.services.journal import Journal
-from rehab_app.services.outcome_series import Series
 from rehab_app.services.outcomes import Outcomes
+from rehab_app.services.passive_runs import key_of, passive_runs
 from rehab_app.services.plans import Plans
+from rehab_app.services.progress_assessed import assessed_ranges, assessed_tones, score_of
+from rehab_app.services.protocol_records import ProtocolRecords
 from rehab_app.services.reports import write_whole
 from sessions.catalogue import Catalogue, Patient, TherapySession
 from sessions.reports import installed_version
 from sessions.reports.past import Past, measure_past, past_from_json, past_to_json, past_version
-from sessions.reports.progress import LeftOut, Progress, Score
+from sessions.reports.progress import LeftOut, Progress
 from sessions.reports.progress_formats import PROGRESS_FORMATS, render_progress
 
 _AT_ONCE = 10
@@ -50,11 +52,13 @@ class Notebook:
         journal: Pain.
         outcomes: The clinic's own scores.
         plans: What is prescribed.
+        protocols: Results of guided assessments.
     """
 
     journal: Journal
     outcomes: Outcomes
     plans: Plans
+    protocols: ProtocolRecords
 
 
 class ProgressReports:
@@ -97,16 +101,21 @@ class ProgressReports:
         rows = tuple(reversed(self._catalogue.sessions(patient.id)))
         pasts, left_out = self._sorted(patient, rows, self._pasts(rows, say))
         pains = self._notebook.journal.pain_course(patient.id)
+        results = self._notebook.protocols.history(patient.id)
+        active, passive = assessed_ranges(results, patient.side)
         return Progress(
             patient.id,
             patient.side,
             pasts,
             left_out,
-            tuple(_score(series) for series in self._notebook.outcomes.series(patient.id)),
+            tuple(score_of(series) for series in self._notebook.outcomes.series(patient.id)),
             tuple((point.utc_ns, point.score) for point in pains),
             self._bounds(),
             self._notebook.plans.current(patient.id).repetitions,
             installed_version(),
+            active=active,
+            passive=passive,
+            tones=assessed_tones(results, patient.side),
         )
 
     def comparison(self, first: str, second: str) -> Progress:
@@ -204,21 +213,32 @@ class ProgressReports:
         self, rows: Sequence[TherapySession], say: Callable[[str], None] | None
     ) -> dict[str, Past | str]:
         """What is known of each file by its digest: its numbers, or why there are none."""
+        runs = self._runs(rows)
         version = past_version()
-        kept = self._catalogue.kept_metrics([row.sha256 for row in rows], version)
-        found: dict[str, Past | str] = {digest: past_from_json(text) for digest, text in kept.items()}
+        keys = {row.sha256: key_of(version, runs[row.sha256]) for row in rows}
+        found: dict[str, Past | str] = {}
+        for key in dict.fromkeys(keys.values()):
+            kept = self._catalogue.kept_metrics([digest for digest in keys if keys[digest] == key], key)
+            found |= {digest: past_from_json(text) for digest, text in kept.items()}
         missing = [row for row in rows if row.sha256 not in found]
         for start in range(0, len(missing), _AT_ONCE):
             part = missing[start : start + _AT_ONCE]
             if say is not None:
                 say(f"Measuring sessions {start + 1} to {start + len(part)} of {len(missing)}.")
-            paths = [self._folder.root / row.path for row in part]
+            root = self._folder.root
+            paths = [(root / row.path, [root / run.path for run in runs[row.sha256]]) for row in part]
             measured = aside(_measured, paths) if self._serving else _measured(paths)
             for row, answer in zip(part, measured, strict=True):
                 found[row.sha256] = answer
                 if isinstance(answer, Past) and answer.sha256 == row.sha256:
-                    self._catalogue.keep_metrics(row.sha256, version, past_to_json(answer))
+                    self._catalogue.keep_metrics(row.sha256, keys[row.sha256], past_to_json(answer))
         return found
+
+    def _runs(self, rows: Sequence[TherapySession]) -> dict[str, tuple[TherapySession, ...]]:
+        """Passive runs of the same day by a session's digest."""
+        patients = dict.fromkeys(row.patient for row in rows if row.patient)
+        others = {patient: self._catalogue.sessions(patient) for patient in patients}
+        return {row.sha256: passive_runs(row, others.get(row.patient, ())) for row in rows}
 
     def _sorted(
         self, patient: Patient, rows: Sequence[TherapySession], found: dict[str, Past | str]
@@ -234,12 +254,12 @@ class ProgressReports:
         return tuple(pasts), tuple(left_out)
 
 
-def _measured(paths: Sequence[Path]) -> list[Past | str]:
-    """The past of each file, or why it cannot be read."""
+def _measured(paths: Sequence[tuple[Path, Sequence[Path]]]) -> list[Past | str]:
+    """The past of each file beside the day's passive runs, or why it cannot be read."""
     answers: list[Past | str] = []
-    for path in paths:
+    for path, passive in paths:
         try:
-            answers.append(measure_past(path))
+            answers.append(measure_past(path, passive))
         except Refused as refusal:
             answers.append(str(refusal))
     return answers
@@ -254,32 +274,6 @@ def _unfit(past: Past, patient: Patient, row: TherapySession) -> str:
     if past.side != patient.side:
         return f"of the {past.side} hand"
     return past.reason
-
-
-def _score(series: Series) -> Score:
-    chosen = series.measure
-    unit = f" ({chosen.shown})" if chosen.shown else ""
-    name = ", ".join(part for part in (chosen.words, series.side, series.place) if part) + unit
-    change = "—" if series.change is None else f"{round(series.change / chosen.per_shown, 2):+g}"
-    return Score(
-        name,
-        chosen.text(series.baseline.value),
-        "—" if series.last is None else chosen.text(series.last.value),
-        chosen.text(series.now.value),
-        change,
-        _meaning(series),
-    )
-
-
-def _meaning(series: Series) -> str:
-    """The change beside the published one that matters to patients."""
-    if series.change is None:
-        return "measured once"
-    if series.measure.mcid is None:
-        return f"{series.direction}; no important difference is published"
-    low, high = (round(end / series.measure.per_shown, 2) for end in series.measure.mcid)
-    published = series.measure.mcid_words or (f"{low:g}" if low == high else f"{low:g} to {high:g}")
-    return f"{series.direction}, {series.meaning} (published: {published})"
 
 
 def _target(out: Path, stem: str, format_name: str, formats: int) -> Path:

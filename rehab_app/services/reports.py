@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rehab_app.access import Account, require
@@ -10,7 +10,9 @@ from rehab_app.config import ClinicFolder
 from rehab_app.errors import Refused
 from rehab_app.services.aside import aside
 from rehab_app.services.audit import Audit
+from rehab_app.services.passive_runs import passive_runs
 from rehab_app.services.sessions import Sessions
+from sessions.catalogue import Catalogue
 from sessions.reports import FORMATS, Format, build_report
 
 
@@ -19,15 +21,23 @@ class Reports:
 
     Args:
         folder: The clinic folder.
+        catalogue: Its catalogue, where the day's passive runs are found.
         sessions: Where subjects are found.
         audit: Where written reports are noted.
         serving: Whether a server asks: then each report is measured and rendered in a process of its own.
     """
 
     def __init__(
-        self, folder: ClinicFolder, sessions: Sessions, audit: Audit, *, serving: bool = False
+        self,
+        folder: ClinicFolder,
+        catalogue: Catalogue,
+        sessions: Sessions,
+        audit: Audit,
+        *,
+        serving: bool = False,
     ) -> None:
         self._folder = folder
+        self._catalogue = catalogue
         self._sessions = sessions
         self._audit = audit
         self._serving = serving
@@ -56,7 +66,8 @@ class Reports:
         if not chosen:
             raise Refused("report format", "none", "one of " + ", ".join(FORMATS), "name one with --format")
         targets = self._targets(subjects, chosen, out)
-        report = build_report([self._sessions.path(subject) for subject in subjects])
+        paths = [self._sessions.path(subject) for subject in subjects]
+        report = build_report(paths, passive=self._passive(paths))
         for made, target in zip(chosen, targets, strict=True):
             write_whole(target, made.render(report))
         self._audit.note(actor, "report", ", ".join(Path(str(subject)).stem for subject in subjects))
@@ -70,7 +81,12 @@ class Reports:
         """
         format_named(format_name)
         paths = [self._sessions.path(subject) for subject in subjects]
-        return aside(_rendered, format_name, paths) if self._serving else _rendered(format_name, paths)
+        runs = self._passive(paths)
+        return (
+            aside(_rendered, format_name, paths, runs)
+            if self._serving
+            else _rendered(format_name, paths, runs)
+        )
 
     def download(self, actor: Account, format_name: str, *subjects: str | Path) -> bytes:
         """As ``rendered``, noted in the audit.
@@ -103,6 +119,16 @@ class Reports:
             Refused: There is no such subject, or its file is damaged.
         """
         return self.rendered("json", *subjects)
+
+    def _passive(self, paths: Sequence[Path]) -> dict[Path, list[Path]]:
+        """Passive runs of the same patient and day, by path of the clinic's sessions."""
+        root, found = self._folder.root, dict[Path, list[Path]]()
+        rows = {root / row.path: row for row in self._catalogue.sessions()}
+        for path in paths:
+            row = rows.get(path) or rows.get(path.absolute())
+            if row is not None:
+                found[path] = [root / run.path for run in passive_runs(row, tuple(rows.values()))]
+        return found
 
     def _targets(
         self, subjects: Sequence[str | Path], formats: Sequence[Format], out: Path | None
@@ -138,5 +164,5 @@ def write_whole(target: Path, content: bytes) -> None:
         working.unlink(missing_ok=True)
 
 
-def _rendered(format_name: str, paths: Sequence[Path]) -> bytes:
-    return FORMATS[format_name].render(build_report(paths))
+def _rendered(format_name: str, paths: Sequence[Path], passive: Mapping[Path, Sequence[Path]]) -> bytes:
+    return FORMATS[format_name].render(build_report(paths, passive=passive))

@@ -66,7 +66,7 @@ def import_take(path: Path, side: str, protocol: str | None, target: Path) -> Re
 
     Args:
         path: The recording.
-        side: Side of the hand.
+        side: Side of the hand; empty for the one that the file states, else right.
         protocol: Marker protocol, None to recognise a built-in one by its names.
         target: The take file.
 
@@ -75,7 +75,8 @@ def import_take(path: Path, side: str, protocol: str | None, target: Path) -> Re
     """
     named = Path(protocol) if protocol is not None and protocol.endswith(".toml") else protocol
     taken = import_recording(path, side, named)
-    sealed = taken.write(target, exercise=path.stem, software_version=__version__)
+    exercise = Path(path.name.removesuffix(".lz")).stem
+    sealed = taken.write(target, exercise=exercise, software_version=__version__)
     return Recorded(sealed.path, taken.landmarks, taken.frames, taken.gaps)
 
 

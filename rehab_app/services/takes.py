@@ -104,7 +104,7 @@ class Takes:
         path: Path,
         *,
         actor: Account,
-        side: str = "right",
+        side: str = "",
         protocol: str | None = None,
         out: Path | None = None,
     ) -> ImportedSummary:

@@ -100,14 +100,14 @@ class Wiring(RecordsWiring):
         """Reports of both."""
         from rehab_app.services.reports import Reports
 
-        return Reports(self.place, self.sessions, self.audit, serving=self.serving)
+        return Reports(self.place, self.catalogue, self.sessions, self.audit, serving=self.serving)
 
     @cached_property
     def notebook(self) -> Notebook:
         """What progress is read beside."""
         from rehab_app.services.progress import Notebook
 
-        return Notebook(self.journal, self.outcomes, self.plans)
+        return Notebook(self.journal, self.outcomes, self.plans, self.protocol_records)
 
     @cached_property
     def progress(self) -> ProgressReports:

@@ -11,8 +11,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from rehab_app import __version__
-from rehab_app.config import ClinicFolder
-from rehab_app.services.audit import Audit
+from rehab_app.config import ClinicFolder, Settings
+from rehab_app.services.tally import CountedAudit
 from sessions.catalogue import Catalogue
 
 if TYPE_CHECKING:
@@ -45,13 +45,15 @@ class RecordsWiring:
     Args:
         place: The clinic folder.
         serving: Whether this is the server, which renders reports in a process of their own.
+        settings: What a person set of this installation.
     """
 
-    def __init__(self, place: ClinicFolder, serving: bool) -> None:
+    def __init__(self, place: ClinicFolder, serving: bool, settings: Settings) -> None:
         self.place = place
         self.serving = serving
-        self.catalogue = Catalogue.open(place.root)
-        self.audit = Audit(self.catalogue)
+        self.settings = settings
+        self.catalogue = Catalogue.open(place.root, settings.catalogue_url)
+        self.audit = CountedAudit(self.catalogue)
         self.closing = ExitStack()
 
     @cached_property

@@ -22,13 +22,14 @@ from rehab_app.access import RateLimit, Verb
 from rehab_app.config import ClinicFolder
 from rehab_app.errors import Refused
 from rehab_app.services.clinic import Clinic
-from rehab_app.web import stop
+from rehab_app.web import health, metrics_page, stop
 from rehab_app.web.access_routes import access_routes
 from rehab_app.web.gateway import picture, wire
 from rehab_app.web.gateway.client_page import ClientPages
 from rehab_app.web.guard import Guard, own_names
 from rehab_app.web.language import _
 from rehab_app.web.library_routes import library_routes
+from rehab_app.web.meters import Meters
 from rehab_app.web.pages import (
     backup,
     entry,
@@ -48,6 +49,7 @@ from rehab_app.web.remember import Remembered
 from rehab_app.web.render import page_templates, render
 from rehab_app.web.signing import Seal, clinic_key
 from rehab_app.web.site import Site, Viewports
+from rehab_app.web.telemetry import Telemetry
 from rehab_app.web.viewport import PAIRED
 from rehab_app.web.visit import Visit, action, page
 
@@ -83,13 +85,16 @@ def create_app(
         await warm
         await run_in_threadpool(site.viewports.close)
 
+    meters = Meters(clinic)
     app = Starlette(
         routes=_routes(),
-        middleware=[Middleware(Guard, hosts=own_names(host))],
+        middleware=[Middleware(Telemetry, meters=meters), Middleware(Guard, hosts=own_names(host))],
         lifespan=lifespan,
         exception_handlers={404: _not_found, 500: _failed},
     )
     app.state.site = site
+    app.state.meters = meters
+    app.state.doctor = health.Doctor(clinic)
     return app
 
 
@@ -124,6 +129,9 @@ def _entry_routes() -> list[BaseRoute]:
         Route("/language", languages.choose, methods=["POST"]),
         Route("/stop", stop.press, methods=["POST"]),
         Route("/stop/state", stop.state, methods=["GET"]),
+        Route("/healthz", health.ready, methods=["GET"]),
+        Route("/healthz/live", health.live, methods=["GET"]),
+        Route("/metrics", metrics_page.metrics, methods=["GET"]),
         Route("/stop/clear", action(stop.clear, "clear_stop", "/"), methods=["POST"]),
         Mount("/static", _Static(directory=str(resources.files("web_assets") / "static"))),
     ]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import errno
 import os
+import signal
 import socket
 import sys
 import threading
@@ -15,8 +17,12 @@ from starlette.applications import Starlette
 
 from rehab_app.errors import Refused
 from rehab_app.services.clinic import Clinic
+from rehab_app.services.snapshot import BUSY
+from rehab_app.services.tally import ENDING
 from rehab_app.web.app import create_app
 from rehab_app.web.gateway.wire import BUFFER_BYTES
+from rehab_app.web.notify import ALIVE, READY, STOPPING, notify, watchdog_s
+from rehab_app.web.server_log import tell
 from rehab_app.web.tls import TlsFiles
 
 _BACKLOG = 128
@@ -44,9 +50,31 @@ def serve(
         Refused: The port is in use or the address is not of this machine.
     """
     line = listen(host, port)
-    with ahead_of_others(), contextlib.suppress(KeyboardInterrupt):
+    with _no_second_end(), ahead_of_others(), contextlib.suppress(KeyboardInterrupt):
         threading.Thread(target=clinic.interrupted.restore, name="restore", daemon=True).start()
-        ShellServer(create_app(clinic, host), ready, tls).run(sockets=[line])
+        server = ShellServer(create_app(clinic, host), ready, tls, lambda: stop_movement(clinic))
+        server.run(sockets=[line])
+
+
+def stop_movement(clinic: Clinic) -> None:
+    """Stop whatever moves or records, because the server is ending; the clinic seals it as it closes."""
+    state = clinic.live.snapshot().state
+    tell("ending", state=state)
+    if state in BUSY:
+        clinic.live.press_stop(ENDING)
+
+
+@contextlib.contextmanager
+def ends_on_terminate() -> Generator[None]:
+    """A SIGTERM within the block ends the server as Ctrl-C does: what moves is stopped and sealed.
+
+    Once the server has ended, a second one is ignored: it would break the sealing off.
+    """
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 @contextlib.contextmanager
@@ -68,22 +96,37 @@ def ahead_of_others() -> Generator[None]:
             os.setpriority(os.PRIO_PROCESS, 0, before)
 
 
+@contextlib.contextmanager
+def _no_second_end() -> Generator[None]:
+    """Behind the block a SIGTERM is ignored, where it ended the server within."""
+    try:
+        yield
+    finally:
+        if signal.getsignal(signal.SIGTERM) is signal.default_int_handler:
+            signal.signal(signal.SIGTERM, signal.SIG_IGN)
+
+
 class ShellServer(uvicorn.Server):
-    """The web server: says when it is ready.
+    """The web server: says when it is ready, gives signs of life, and stops a movement before it ends.
 
     Args:
         app: The application.
         ready: Called once pages are served.
         tls: Certificate and key, None for plain HTTP.
+        ending: Called once it has been told to end, before anything is closed.
     """
 
     def __init__(
-        self, app: Starlette, ready: Callable[[], None] | None = None, tls: TlsFiles | None = None
+        self,
+        app: Starlette,
+        ready: Callable[[], None] | None = None,
+        tls: TlsFiles | None = None,
+        ending: Callable[[], None] | None = None,
     ) -> None:
         super().__init__(
             uvicorn.Config(
                 app,
-                log_level="warning",
+                log_config=None,  # the process decides where its log goes, see server_log
                 access_log=False,
                 server_header=False,
                 ws="websockets-sansio",
@@ -94,12 +137,33 @@ class ShellServer(uvicorn.Server):
             )
         )
         self._ready = ready
+        self._ending = ending
+        self._alive: asyncio.Task[None] | None = None
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to serve."""
         await super().startup(sockets)
-        if self.started and self._ready is not None:
-            self._ready()
+        if self.started:
+            notify(READY)
+            self._alive = asyncio.create_task(_stay_alive(watchdog_s()))
+            if self._ready is not None:
+                self._ready()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End: first whatever moves, then the connections."""
+        notify(STOPPING)
+        if self._ending is not None:
+            self._ending()
+        if self._alive is not None:
+            self._alive.cancel()
+        await super().shutdown(sockets)
+
+
+async def _stay_alive(period_s: float) -> None:
+    """Give the sign of life from the loop that answers the stop: if that hangs, so does this."""
+    while period_s > 0.0:
+        notify(ALIVE)
+        await asyncio.sleep(period_s)
 
 
 def listen(host: str, port: int) -> socket.socket:

@@ -18,6 +18,8 @@ MIN_MULTIPLE, MAX_MULTIPLE = 0.1, 4.0
 AHEAD_STOP_RAD = float(np.deg2rad(15.0))
 """A patient may run ahead so far along the path; beyond, the set-point stays behind and holds back."""
 SLOW_RAD_S = float(np.deg2rad(5.0))
+MOVED_RAD = float(np.deg2rad(5.0))
+"""A joint that the exercise moves by less is held: what it lacks to its place is posture, not weakness."""
 BLOCKED_S = 0.3
 BLOCKED_RISE_NM = 0.01
 RAISED_BY = 1.1
@@ -42,13 +44,14 @@ class AssistAsNeeded:
     rises), a reversed or a painful repetition never raises assistance: contracture is not weakness. If the
     torque that opposes the movement rises with K, K goes back to what it was, stays below that until the
     torque has fallen, and the patient is to be told to relax (``cue_relax``). A direction in which nothing
-    moved keeps what it has.
+    moved keeps what it has; joints that the exercise hardly moves are not judged.
 
     Args:
         joint_names: The J driven joints.
         initial: First multiple, clipped to 0.1-4.
         period_s: Control period.
         by_digit: First multiples instead, as ``by_digit`` gives them; empty for none.
+        span_rad: Range of each joint in the movement, (J,); None where all are moved.
 
     Raises:
         Refused: ``by_digit`` is not two rows of five.
@@ -60,6 +63,7 @@ class AssistAsNeeded:
         initial: float,
         period_s: float,
         by_digit: tuple[tuple[float, ...], ...] = (),
+        span_rad: Float64 | None = None,
     ) -> None:
         digits = [DIGITS.index(name.split("_")[0]) for name in joint_names]
         self._digit: Int64 = np.array(digits, dtype=np.int64)
@@ -71,6 +75,8 @@ class AssistAsNeeded:
             self._by_digit = np.array(by_digit, dtype=np.float64)
         np.clip(self._by_digit, MIN_MULTIPLE, MAX_MULTIPLE, out=self._by_digit)
         joints = len(joint_names)
+        moved = np.ones(joints) if span_rad is None else (span_rad >= MOVED_RAD).astype(np.float64)
+        self._moved: Float64 = moved
         self._slew = _SLEW_PER_S * period_s
         self._blocked_after = float(max(int(BLOCKED_S / (period_s * _EVERY)), 1))
         self._raised_from: Float64 = np.full_like(self._by_digit, math.nan)
@@ -133,7 +139,8 @@ class AssistAsNeeded:
         if self._tick % _EVERY != 1:
             return
         bounds = (_MOVING_RAD_S, SLOW_RAD_S, self._blocked_after, BLOCKED_RISE_NM)
-        note(dq_desired_rad_s, error_rad, dq_rad_s, tau_interaction_nm, self._seen, self._stuck, bounds)
+        wanted_rad_s = dq_desired_rad_s * self._moved
+        note(wanted_rad_s, error_rad, dq_rad_s, tau_interaction_nm, self._seen, self._stuck, bounds)
 
     def finish_repetition(self, *, reversed_on_load: bool = False, painful: bool = False) -> None:
         """Adapt for the next repetition."""

@@ -43,7 +43,11 @@ class Guidance:
         share = learning_share(plan.joint_names, ordered.space)
         self._learnt = FeedForward(movement.duration_s, plan.limits, forgetting, way, share)
         self._assist = AssistAsNeeded(
-            plan.joint_names, ordered.stiffness_multiple, period_s, by_digit=ordered.assistance
+            plan.joint_names,
+            ordered.stiffness_multiple,
+            period_s,
+            by_digit=ordered.assistance,
+            span_rad=movement.span_rad,
         )
         self.shaper = Shaper(plan, APPROACH_MULTIPLE, period_s)
         led = APPROACH_MULTIPLE if self.free else ordered.stiffness_multiple

@@ -24,6 +24,7 @@ class Drive:
         """What the device failed to do, empty while it answers; cleared by a reset."""
         self._robot = robot
         self._settling = Settling(period_s)
+        self._braked_nms_rad = 0.0
 
     def open(self) -> None:
         """Connect.
@@ -77,13 +78,23 @@ class Drive:
         except OSError as error:
             self.lost = error.strerror or "unwritable"
 
-    def brake(self) -> None:
-        """Damped brake if there is power; where braking fails, power is cut."""
+    def begin_brake(self) -> None:
+        """From the next ``settle`` on the hand is braked."""
         self._settling.begin()
-        if not self.powered:
+        self._braked_nms_rad = 0.0
+
+    def brake_now(self) -> None:
+        """Damped brake at once; the next ``settle`` goes on with it."""
+        self.begin_brake()
+        self._brake(BRAKE_NMS_RAD)
+
+    def _brake(self, damping_nms_rad: float) -> None:
+        """Damped brake if there is power; where braking fails, power is cut."""
+        if not self.powered or damping_nms_rad == self._braked_nms_rad:
             return
         try:
-            self._robot.brake(BRAKE_NMS_RAD)
+            self._robot.brake(damping_nms_rad)
+            self._braked_nms_rad = damping_nms_rad
         except OSError:
             self.cut_power()
 
@@ -91,8 +102,9 @@ class Drive:
         """Take the load of one tick; what has pushed hard of late keeps a brake on for longer."""
         self._settling.note(load_share)
 
-    def settle(self, state: DeviceState) -> None:
+    def settle(self, state: DeviceState, damping_nms_rad: float) -> None:
         """One braked tick: power is cut once the hand rests, or has been braked for long enough."""
+        self._brake(damping_nms_rad)
         if self._settling.over(state):
             self.cut_power()
 

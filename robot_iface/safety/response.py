@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from robot_iface.safety.envelope import Finding
+from robot_iface.safety.grip import Grip, drives
 from robot_iface.safety.reversal import Backing, Reversal, opposes_motion
-from robot_iface.safety.yielding import ONSET_S, Holding, damped, nothing, onset
-from robot_iface.types import DeviceCommand, DeviceState, Limits
+from robot_iface.safety.yielding import Holding, damped, nothing
+from robot_iface.types import DeviceCommand, DeviceState, Limits, SafetyState
 
-LOWERED_AT_ONCE = frozenset({"pain", "held-stretch", "repetition-time-out"})
+_LOADS = frozenset({"load", "load-hard"})
+_TOO_FAST = "speed-trip"
+_LOWERED_AT_ONCE = frozenset({"pain", "held-stretch", "repetition-time-out"})
 
 
 class Response:
@@ -23,7 +27,8 @@ class Response:
         self._joints = limits.q_min_rad.size
         self._holding: Holding | None = None
         self._reversal: Reversal | None = None
-        self._yielding_s = 0.0
+        self.grip = Grip(limits)
+        """How hard it may brake."""
 
     @property
     def reversing(self) -> bool:
@@ -33,28 +38,38 @@ class Response:
     def command(self, state: DeviceState, seq: int, *, powered: bool) -> DeviceCommand:
         """The command of this tick: of the reversal or the hold that was begun, else damping."""
         if self._reversal is not None:
-            return self._reversal.command(state, seq)
+            return self._reversal.command(state, self.grip, seq)
         if self._holding is not None:
             return self._holding.command(state, seq)
         if not powered:
             return nothing(self._joints, seq)
-        self._yielding_s += self._period_s
-        return damped(self._joints, onset(self._yielding_s), seq)
+        return damped(self.grip.update(state), seq)
+
+    def enter(self, finding: Finding, state: DeviceState, applied: DeviceCommand) -> None:
+        """Begin what a state asks for: to hold what is applied, to yield, or to brake.
+
+        What the patient drives is braked without a blow, also where it becomes too fast. Whatever else is
+        wrong, and a stop by a person, is met with all of the brake at once.
+        """
+        self._holding = self._reversal = None
+        too_fast = finding.cause == _TOO_FAST
+        if finding.cause in _LOADS or (too_fast and drives(state, self._limits.tau_interaction_nm)):
+            self.grip.begin(applied)
+        elif not too_fast:
+            self.grip.drop()
+        if finding.state is SafetyState.HOLD:
+            self._holding = Holding(applied, self._limits.tau_interaction_nm, self._period_s)
+            self._holding.lowering = finding.cause in _LOWERED_AT_ONCE
 
     def drop(self) -> None:
-        """Neither hold nor go back any more."""
-        self._yielding_s = 0.0 if self._reversal is None else ONSET_S
+        """Nothing is held, gone back on or yielded to any more."""
         self._holding = self._reversal = None
-
-    def hold(self, applied: DeviceCommand, cause: str) -> None:
-        """Begin to hold what is applied; for some causes, to lower it at once."""
-        self._holding = Holding(applied, self._limits.tau_interaction_nm, self._period_s)
-        self._holding.lowering = cause in LOWERED_AT_ONCE
+        self.grip.drop()
 
     def lower(self, cause: str) -> bool:
         """Begin to lower what is held, if this is a cause to; whether that is new."""
         holding = self._holding
-        if holding is None or holding.lowering or cause not in LOWERED_AT_ONCE:
+        if holding is None or holding.lowering or cause not in _LOWERED_AT_ONCE:
             return False
         holding.lowering = True
         return True
@@ -63,6 +78,7 @@ class Response:
         """Begin to go back if the load opposes the motion; whether that was begun."""
         if self._reversal is not None or not opposes_motion(state, wanted.dq_rad_s, self._limits):
             return False
+        self.grip.begin(applied)
         self._reversal = Reversal(state, applied, wanted.dq_rad_s, self._limits, self._period_s)
         return True
 
@@ -72,5 +88,5 @@ class Response:
             return None
         stands = self._reversal.update(state, load_share)
         if stands is Backing.OVER:
-            self._reversal = None
+            self.drop()
         return stands

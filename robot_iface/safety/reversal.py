@@ -6,7 +6,7 @@ from enum import Enum
 
 import numpy as np
 
-from robot_iface.safety.yielding import BRAKE_NMS_RAD
+from robot_iface.safety.grip import Grip
 from robot_iface.types import CommandMode, DeviceCommand, DeviceState, Float64, Limits
 
 BACK_RAD = float(np.deg2rad(10.0))
@@ -82,7 +82,7 @@ class Reversal:
         self._low_s = 0.0
         self._fallen = False
 
-    def command(self, state: DeviceState, seq: int) -> DeviceCommand:
+    def command(self, state: DeviceState, grip: Grip, seq: int) -> DeviceCommand:
         """The command of this tick."""
         error = self._goal - state.q_rad
         least = np.where(self._way == 0.0, -self._lead, 0.0)
@@ -97,7 +97,7 @@ class Reversal:
             dq_rad_s=self._speed,
             tau_ff_nm=zeros,
             stiffness_nm_rad=self._stiffness,
-            damping_nms_rad=zeros + BRAKE_NMS_RAD,
+            damping_nms_rad=grip.update(state, self._speed),
             seq=seq,
         )
 

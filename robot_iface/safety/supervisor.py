@@ -236,7 +236,7 @@ class Supervisor:
         if self._only_load(found) and self._response.go_back(state, wanted, self._applied):
             return (self._event(worst, "reversal"),)
         if worst.state > self._state:
-            self._enter(worst)
+            self._enter(worst, state)
             return (self._event(worst, worst.cause),)
         return tuple(
             self._event(finding, finding.cause) for finding in found if self._response.lower(finding.cause)
@@ -262,14 +262,12 @@ class Supervisor:
         joint, value, bound = finding.joint, finding.value, finding.bound
         return SafetyEvent(self._now_ns, cause, self._state, joint, value, bound)
 
-    def _enter(self, finding: Finding) -> None:
+    def _enter(self, finding: Finding, state: DeviceState) -> None:
         """Enter a latched state."""
         self._state = finding.state
-        self._response.drop()
-        if finding.state is SafetyState.HOLD:
-            self._response.hold(self._applied, finding.cause)
-        elif finding.state is SafetyState.CAT1:
-            self._drive.brake()
+        self._response.enter(finding, state, self._applied)
+        if finding.state is SafetyState.CAT1:
+            self._drive.begin_brake()
         elif finding.state is SafetyState.CAT0:
             self._drive.cut_power()
 
@@ -279,7 +277,7 @@ class Supervisor:
         self._ramp.begin()
         self._response.drop()
         self._previous, self._continued = None, False
-        self._drive.brake()
+        self._drive.brake_now()
 
     def _act(self, state: DeviceState, found: Assessment) -> Float64:
         """Give the device what the state allows and return the torque that it then applies, (J,)."""
@@ -289,7 +287,7 @@ class Supervisor:
             return self._applied.tau_ff_nm
         self._applied = found.applied
         if self._state in (SafetyState.READY, SafetyState.CAT1):
-            self._drive.settle(state)
+            self._drive.settle(state, self._response.grip.common_nms_rad)
             return found.applied_tau_nm
         self._drive.send(found.applied)
         if self._state in _FOLLOWING:

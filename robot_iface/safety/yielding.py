@@ -12,27 +12,16 @@ BRAKE_NMS_RAD = 0.15
 """Damping of brake and yielding: a released spastic hand moves at about 150 deg/s instead of 530, and with
 one
 tick of delay the rotor inertia of 3e-4 kg m^2 stays stable (bound 0.7 M / T = 0.21)."""
-ONSET_S = 0.010
-_FIRST_NMS_RAD = 0.03
 LOWER_RAD_S = float(np.deg2rad(20.0))
 LOWERED_SHARE = 0.1
 _FULL_RATE_SHARE = 0.3
 _FORGET_S = 0.5
 
 
-def onset(since_s: float) -> float:
-    """Damping of yielding so long after it began: it rises within ONSET_S from what a control law has.
-
-    A hand that already moves fast would meet all of it as a blow: with the rise, following a spasm of 0.2 Nm
-    that closes the hand loads it with 1.3 times what no supervisor would, without it with 1.8 times.
-    """
-    return _FIRST_NMS_RAD + (BRAKE_NMS_RAD - _FIRST_NMS_RAD) * min(since_s / ONSET_S, 1.0)
-
-
-def damped(joints: int, damping_nms_rad: float, seq: int) -> DeviceCommand:
+def damped(damping_nms_rad: Float64, seq: int) -> DeviceCommand:
     """Damping without a position goal: the hand is followed, never pushed. Arrays (J,)."""
-    zeros = np.zeros(joints)
-    return DeviceCommand(CommandMode.IMPEDANCE, zeros, zeros, zeros, zeros, zeros + damping_nms_rad, seq)
+    zeros = np.zeros(damping_nms_rad.size)
+    return DeviceCommand(CommandMode.IMPEDANCE, zeros, zeros, zeros, zeros, damping_nms_rad, seq)
 
 
 def nothing(joints: int, seq: int) -> DeviceCommand:

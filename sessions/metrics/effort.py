@@ -35,6 +35,11 @@ class Work:
 
 
 def work(t_s: Float64, tau_interaction_nm: Float64, dq_rad_s: Float64) -> Work:
+    """Integrate the power between robot and hand at one joint; as ``works``, of shape (N,)."""
+    return works(t_s, tau_interaction_nm[None], dq_rad_s[None])[0]
+
+
+def works(t_s: Float64, tau_interaction_nm: Float64, dq_rad_s: Float64) -> tuple[Work, ...]:
     """Integrate the power between robot and hand (rectangle rule over rows without gaps).
 
     A passive limb that starts relaxed can only give back what it was given, so the depth to which the
@@ -42,16 +47,19 @@ def work(t_s: Float64, tau_interaction_nm: Float64, dq_rad_s: Float64) -> Work:
 
     Args:
         t_s: Times, shape (N,).
-        tau_interaction_nm: Torque of the robot on the joint, shape (N,), flexion positive.
-        dq_rad_s: Joint speed, shape (N,).
+        tau_interaction_nm: Torque of the robot on each joint, shape (J, N), flexion positive.
+        dq_rad_s: Joint speeds, shape (J, N).
     """
     if t_s.size < 2:
-        return Work(0.0, 0.0, 0.0)
+        return (Work(0.0, 0.0, 0.0),) * len(tau_interaction_nm)
     step = np.diff(t_s, append=t_s[-1])
-    energy = np.nan_to_num(tau_interaction_nm * dq_rad_s * np.minimum(step, 3.0 * float(np.median(step))))
-    stored = np.cumsum(energy)
-    return Work(
-        float(energy[energy > 0].sum()), -float(energy[energy < 0].sum()), max(0.0, -float(stored.min()))
+    step = np.minimum(step, 3.0 * float(np.median(step)))
+    energy = np.nan_to_num(tau_interaction_nm * dq_rad_s * step)
+    deepest = np.cumsum(energy, axis=1).min(axis=1)
+    given, returned = np.maximum(energy, 0.0).sum(axis=1), -np.minimum(energy, 0.0).sum(axis=1)
+    return tuple(
+        Work(float(robot), float(hand), max(0.0, -float(depth)))
+        for robot, hand, depth in zip(given, returned, deepest, strict=True)
     )
 
 

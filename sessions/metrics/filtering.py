@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+from typing import Any
+
 import numpy as np
 from scipy import signal
 
@@ -27,10 +30,17 @@ def low_pass(values: Float64, rate_hz: float) -> Float64:
         rate_hz: Samples per second.
     """
     corner = cut_hz(rate_hz) / float(_TWO_PASSES)
-    sections = signal.butter(2, corner, fs=rate_hz, output="sos")
+    sections = _sections(corner, rate_hz)
     padding = min(len(values) - 1, round(1.5 * rate_hz))
     result: Float64 = signal.sosfiltfilt(sections, values, axis=0, padlen=padding)
     return result
+
+
+@lru_cache(maxsize=64)
+def _sections(corner_hz: float, rate_hz: float) -> Float64:
+    """Second-order sections; finding them takes longer than filtering a stroke."""
+    sections: Any = signal.butter(2, corner_hz, fs=rate_hz, output="sos")
+    return np.asarray(sections, dtype=np.float64)
 
 
 def speed_m_s(p_m: Float64, rate_hz: float) -> Float64:

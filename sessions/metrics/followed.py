@@ -12,13 +12,15 @@ from sessions.metrics.metric import Estimate, Metric, metric
 from sessions.metrics.recording import Origin, seconds
 from sessions.metrics.strokes import over_strokes
 from sessions.metrics.timing import Decomposition, decompose
-from sessions.metrics.tracking import pooled_rmse, rmse
+from sessions.metrics.tracking import pooled_rmse, rmse, rmse_columns
 from sessions.records import DIGITS, JOINTS
 from sessions.records.fields import Float64, Int64
 from sessions.records.topics import PATIENT_POSE, PHASE, REFERENCE
 
 UNKNOWN_STIFFNESS = "the stiffness at which it was obtained is not in the file"
 TOPICS = (PATIENT_POSE, REFERENCE, PHASE)
+MANY = 10_000
+"""Rows above which joints are compared one by one."""
 DECOMPOSED = 12
 """Most repetitions whose error is taken apart, spread evenly over the session."""
 _PARTS: tuple[tuple[str, Callable[[Decomposition], Estimate]], ...] = (
@@ -58,12 +60,19 @@ class Followed:
 
     def joint_errors(self, rows: Int64) -> list[tuple[Estimate, bool]]:
         """Error of each of the 21 joints over some row numbers, and whether it was measured."""
-        found: list[tuple[Estimate, bool]] = []
-        for joint in range(len(JOINTS)):
-            std = self.patient.joint_std_rad[rows, joint]
-            error = rmse(self.joints_rad[rows, joint], self.reference_joints_rad[rows, joint], std)
-            found.append((error, self.joint_flags[joint] != ESTIMATED))
-        return found
+        if rows.size > MANY:  # copies of all columns of half an hour would not fit
+            columns = range(len(JOINTS))
+            return [
+                (self._joint_error(column, rows), self.joint_flags[column] != ESTIMATED) for column in columns
+            ]
+        errors = rmse_columns(
+            self.joints_rad[rows], self.reference_joints_rad[rows], self.patient.joint_std_rad[rows]
+        )
+        return [(error, flag != ESTIMATED) for error, flag in zip(errors, self.joint_flags, strict=True)]
+
+    def _joint_error(self, joint: int, rows: Int64) -> Estimate:
+        std = self.patient.joint_std_rad[rows, joint]
+        return rmse(self.joints_rad[rows, joint], self.reference_joints_rad[rows, joint], std)
 
     def fingertip_errors(self, rows: Int64) -> list[Estimate]:
         """Error of each of the five fingertips over some row numbers."""
@@ -132,15 +141,15 @@ def tracking_metrics(followed: Followed, origin: Origin, conditions: str) -> lis
     lineage = origin.lineage(TOPICS, followed.patient.t_ns[rows], conditions)
     hidden = Estimate.missing(UNKNOWN_STIFFNESS)
     found: list[Metric] = []
-    for column, (joint, (error, measured)) in enumerate(
-        zip(JOINTS, followed.joint_errors(rows), strict=True)
-    ):
+    joints, tips = followed.joint_errors(rows), followed.fingertip_errors(rows)
+    for column, (joint, (error, measured)) in enumerate(zip(JOINTS, joints, strict=True)):
         flag = followed.joint_flags[column] if measured else ESTIMATED
         found.append(metric("joint_rmse", joint, error if conditions else hidden, lineage, flag))
-    for column, (digit, error) in enumerate(zip(DIGITS, followed.fingertip_errors(rows), strict=True)):
+    for column, (digit, error) in enumerate(zip(DIGITS, tips, strict=True)):
         flag = followed.patient.tip_flag(column)
         found.append(metric("fingertip_rmse", digit, error if conditions else hidden, lineage, flag))
-    whole = (("joint_rmse", followed.joint_rmse(rows)), ("fingertip_rmse", followed.fingertip_rmse(rows)))
+    over_joints = pooled_rmse([error for error, measured in joints if measured])
+    whole = (("joint_rmse", over_joints), ("fingertip_rmse", pooled_rmse(tips)))
     found += [metric(name, "whole", error if conditions else hidden, lineage) for name, error in whole]
     return found
 

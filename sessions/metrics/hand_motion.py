@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,14 @@ class HandMotion:
     fingertips_m: Float64
     fingertip_std_m: Float64
 
+    def at(self, rows: Int64) -> HandMotion:
+        """The hand at some row numbers."""
+        columns = (self.joints_rad, self.joint_std_rad, self.joint_status)
+        tips = (self.fingertips_m, self.fingertip_std_m)
+        return HandMotion(
+            self.topic, at_rows(self.t_ns, rows), *(at_rows(column, rows) for column in (*columns, *tips))
+        )
+
     def usable_joint(self, joint: int) -> tuple[Float64, str]:
         """Angles of one joint (N,) with NaN where they may not be used, and what must be said of them."""
         status = self.joint_status[:, joint]
@@ -72,12 +81,19 @@ class HandMotion:
 
     def tip_flag(self, digit: int) -> str:
         """What must be said of a fingertip that rests on estimated joints; empty if nothing."""
+        if not len(self.joint_status):
+            return ""
         share = 1.0 - float(digit_with_all_joints(self.joint_status, Status.MEASURED)[:, digit].mean())
         return (
             ""
             if share <= 1.0 - MOSTLY
             else f"a joint of the digit was estimated in {share:.0%} of the frames"
         )
+
+
+def at_rows(column: NDArray[Any], rows: Int64) -> NDArray[Any]:
+    """Some rows of a column; the column itself where these are all of them in their order."""
+    return column if np.array_equal(rows, np.arange(len(column))) else column[rows]
 
 
 def range_metrics(motion: HandMotion, origin: Origin) -> list[Metric]:

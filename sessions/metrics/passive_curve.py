@@ -18,7 +18,8 @@ from sessions.records.fields import Float64
 BIN_RAD = math.radians(2.0)
 STILL_RAD_S = math.radians(1.0)
 """Slower than this there is no direction, and no work."""
-FEWEST = 5
+FEWEST = 3
+"""Steps of 10 ms that a cell of the curve needs; each is the mean of ten ticks at 1 kHz."""
 COVERED = 0.9
 """Part of the moving samples that the curve must know, or nothing is separated."""
 NOT_COVERED = "not separable: the passive curve of this day does not reach as far"

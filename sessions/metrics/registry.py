@@ -160,7 +160,15 @@ _ROWS = (
     ("fit_residual", "m", "Fit residual", "How far the fitted hand is from the markers, rms."),
 )
 
-VERSIONS: Mapping[str, str] = {"sparc_floor": "2", "ldlj_floor": "2", "robot_share": "2"}
+VERSIONS: Mapping[str, str] = {
+    "sparc_floor": "2",
+    "ldlj_floor": "3",
+    "robot_share": "3",
+    **dict.fromkeys(("ldlj", "joint_rmse", "robot_work", "returned_work", "stiffness"), "2"),
+    **dict.fromkeys(("aperture", "span", "finger_spread", "angle_min"), "2"),
+    **dict.fromkeys(("total_active_motion", "active_motion_share"), "2"),
+    **dict.fromkeys(("work_share", "patient_work", "resisting_work"), "2"),
+}
 """Names whose method is no longer at version 1."""
 
 _COUNTED, _DESCRIBES = "counted", "describes the recording itself"

@@ -54,11 +54,12 @@ def main_movement(joints_rad: Float64, flexion: Float64) -> Float64:
     result = np.full(len(joints_rad), np.nan)
     if not bool(seen.any()):
         return result
-    chosen = joints_rad[:, seen]
-    rows = np.isfinite(chosen).all(axis=1)
+    centred = joints_rad[:, seen]
+    rows = np.isfinite(centred).all(axis=1)
     if np.count_nonzero(rows) < 2:
         return result
-    centred = chosen[rows] - chosen[rows].mean(axis=0)
+    centred = centred if bool(rows.all()) else centred[rows]
+    centred -= centred.mean(axis=0)
     _, axes = np.linalg.eigh(centred.T @ centred)
     axis = axes[:, -1]
     closing = float(axis @ flexion[seen])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,12 +12,16 @@ from numpy.typing import NDArray
 from sessions.metrics.effort import FLOOR_NM, MOVED_RAD, NOT_SEPARABLE, work_share
 from sessions.metrics.metric import Estimate, Metric, metric
 from sessions.metrics.passive_curve import OwnWork, PassiveCurve, own_work, passive_curve
-from sessions.metrics.recording import Origin, Phases, Recording, read_phases, seconds
+from sessions.metrics.recording import Origin, Recording, seconds
+from sessions.metrics.robot_fold import fold
+from sessions.metrics.robot_stretch import Stretch, Track, joined_track
 from sessions.records import SessionHeader
-from sessions.records.fields import Float64, Int64
+from sessions.records.fields import Int64
 from sessions.records.topics import PHASE, ROBOT_STATE
 
 _DAY_NS = 86_400_000_000_000
+UNTOLD = "the robot measured no torque within a repetition"
+PASSIVE = "not separable: in passive mode what comes back is recoil or friction"
 _NAMES = ("work_share", "patient_work", "resisting_work")
 
 
@@ -35,82 +39,104 @@ class PassiveRun:
     sha256: str
     curves: Mapping[str, PassiveCurve]
 
-    def unlike(self, header: SessionHeader) -> str:
-        """Why it cannot be taken off that session, empty where it can."""
-        mine = self.header
-        if (mine.subject_id, mine.side) != (header.subject_id, header.side):
-            return "not separable: the passive run is of another hand"
-        if mine.utc_start_ns // _DAY_NS != header.utc_start_ns // _DAY_NS:
-            return "not separable: the passive run is of another day"
-        if (mine.robot_joints, mine.source) != (header.robot_joints, header.source):
-            return "not separable: the passive run is of another device"
-        return ""
+
+def unlike(run: SessionHeader, header: SessionHeader) -> str:
+    """Why a passive run cannot be taken off a session, empty where it can; from their headers."""
+    if (run.subject_id, run.side) != (header.subject_id, header.side):
+        return "not separable: the passive run is of another hand"
+    if run.utc_start_ns // _DAY_NS != header.utc_start_ns // _DAY_NS:
+        return "not separable: the passive run is of another day"
+    if (run.robot_joints, run.source) != (header.robot_joints, header.source):
+        return "not separable: the passive run is of another device"
+    return ""
 
 
 @dataclass(frozen=True, slots=True)
-class _Ticks:
-    """What the robot measured within repetitions, N ticks and J joints."""
+class Separation:
+    """What is known of the patient's own part in the work of a session.
 
-    t_s: Float64
-    q_rad: Float64
-    dq_rad_s: Float64
-    tau_nm: Float64
-    passive: NDArray[np.bool_]
-    t_ns: Int64
+    Attributes:
+        joints: Names of the J robot joints.
+        track: What the robot measured within repetitions; None where it measured no torque.
+        curves: Passive curves by robot joint.
+        reason: Why nothing can be separated, empty where it can.
+        conditions: Which file the curves are from, in words.
+    """
+
+    joints: tuple[str, ...]
+    track: Track | None
+    curves: Mapping[str, PassiveCurve]
+    reason: str
+    conditions: str = ""
+
+    def share(self, columns: Sequence[int], repetition: int | None = None) -> Estimate:
+        """Robot's share over some joints, in one repetition or in all, recoil taken off."""
+        return self.parts(columns, repetition)[0]
+
+    def parts(
+        self, columns: Sequence[int], repetition: int | None = None
+    ) -> tuple[Estimate, Estimate, Estimate]:
+        """Robot's share, the patient's work along the movement, and against it."""
+        if self.track is None or self.reason:
+            missing = Estimate.missing(self.reason or UNTOLD)
+            return missing, missing, missing
+        rows = ~self.track.passive
+        rows &= self.track.repetition == repetition if repetition is not None else True
+        if not bool(rows.any()):
+            missing = Estimate.missing(PASSIVE)
+            return missing, missing, missing
+        return _together([work for column in columns if (work := self._own(column, rows)) is not None])
+
+    def _own(self, column: int, rows: NDArray[np.bool_]) -> OwnWork | None:
+        """Own work at one joint, None where it hardly moved; missing without a curve."""
+        track, joint = self.track, self.joints[column]
+        q = track.q_rad[rows, column] if track is not None else np.empty(0)
+        if track is None or float(np.ptp(q)) < MOVED_RAD:
+            return None
+        if joint not in self.curves:
+            missing = Estimate.missing(f"not separable: no passive curve of {joint}")
+            return OwnWork(missing, missing, missing, missing)
+        t_s = seconds(track.t_ns[rows])
+        return own_work(t_s, q, track.dq_rad_s[rows, column], track.tau_nm[rows, column], self.curves[joint])
 
 
 def read_passive(recording: Recording) -> PassiveRun:
     """The passive curves of a session; none where no repetition of it was passive."""
-    ticks = _ticks(recording, read_phases(recording))
-    return PassiveRun(recording.header, recording.sha256, _curves(recording.header, ticks))
+    track = _measured(joined_track(fold(recording).stretches))
+    return PassiveRun(recording.header, recording.sha256, _curves(recording.header, track))
 
 
-def separated_metrics(
-    recording: Recording, phases: Phases, origin: Origin, passive: PassiveRun | None = None
-) -> list[Metric]:
-    """Work share and the patient's work, of the repetitions that were not passive.
+def separation(
+    recording: Recording, stretches: Sequence[Stretch], passive: PassiveRun | None = None
+) -> Separation:
+    """What can be told of the patient's own part.
 
     Args:
         recording: The session.
-        phases: Its phases.
-        origin: Which file.
+        stretches: What the robot measured within its repetitions.
         passive: A passive run of the same hand, day and device; by default the session's own passive
             repetitions.
     """
-    ticks = _ticks(recording, phases)
-    header = recording.header
-    run = passive or PassiveRun(header, recording.sha256, _curves(header, ticks))
-    reason = run.unlike(header)
-    if ticks is None or bool(ticks.passive.all()):
-        reason = reason or "no repetition in which the patient was to move"
-    elif not run.curves:
-        reason = reason or NOT_SEPARABLE
-    if ticks is None or reason:
-        lineage = origin.lineage((ROBOT_STATE, PHASE), phases.t_ns)
-        return [metric(name, "whole", Estimate.missing(reason), lineage) for name in _NAMES]
-    conditions = f"passive curve of file {run.sha256[:12]}"
-    lineage = origin.lineage((ROBOT_STATE, PHASE), ticks.t_ns, conditions)
-    parts = _together(_by_joint(header, ticks, run.curves))
+    header, track = recording.header, _measured(joined_track(stretches))
+    if track is None or bool(track.passive.all()):
+        return Separation(header.robot_joints, track, {}, UNTOLD if track is None else PASSIVE)
+    run = passive or PassiveRun(header, recording.sha256, _curves(header, track))
+    reason = unlike(run.header, header) or ("" if run.curves else NOT_SEPARABLE)
+    conditions = "" if reason else f"passive curve of file {run.sha256}"
+    return Separation(header.robot_joints, track, run.curves, reason, conditions)
+
+
+def separated_metrics(known: Separation, t_ns: Int64, origin: Origin) -> list[Metric]:
+    """Work share and the patient's work, of the repetitions that were not passive.
+
+    Args:
+        known: What can be told.
+        t_ns: Times of the first and last tick within repetitions.
+        origin: Which file.
+    """
+    lineage = origin.lineage((ROBOT_STATE, PHASE), t_ns, known.conditions)
+    parts = known.parts(range(len(known.joints)))
     return [metric(name, "whole", value, lineage) for name, value in zip(_NAMES, parts, strict=True)]
-
-
-def _by_joint(header: SessionHeader, ticks: _Ticks, curves: Mapping[str, PassiveCurve]) -> list[OwnWork]:
-    """Own work of every joint that moved; of one without a curve it is missing."""
-    own = ~ticks.passive
-    found: list[OwnWork] = []
-    for column, joint in enumerate(header.robot_joints):
-        q = ticks.q_rad[own, column]
-        if float(np.ptp(q)) < MOVED_RAD:
-            continue
-        if joint not in curves:
-            missing = Estimate.missing(f"not separable: no passive curve of {joint}")
-            found.append(OwnWork(missing, missing, missing, missing))
-            continue
-        curve = curves[joint]
-        found.append(
-            own_work(ticks.t_s[own], q, ticks.dq_rad_s[own, column], ticks.tau_nm[own, column], curve)
-        )
-    return found
 
 
 def _together(joints: list[OwnWork]) -> tuple[Estimate, Estimate, Estimate]:
@@ -149,34 +175,21 @@ def _high(part: Estimate) -> float:
     return part.value if part.interval is None else part.interval[1]
 
 
-def _curves(header: SessionHeader, ticks: _Ticks | None) -> dict[str, PassiveCurve]:
-    if ticks is None or not bool(ticks.passive.any()):
+def _curves(header: SessionHeader, track: Track | None) -> dict[str, PassiveCurve]:
+    if track is None or not bool(track.passive.any()):
         return {}
-    rows = ticks.passive
+    rows = track.passive
     found: dict[str, PassiveCurve] = {}
     for column, joint in enumerate(header.robot_joints):
-        tau = ticks.tau_nm[rows, column]
-        curve = passive_curve(ticks.q_rad[rows, column], ticks.dq_rad_s[rows, column], tau)
+        tau = track.tau_nm[rows, column]
+        curve = passive_curve(track.q_rad[rows, column], track.dq_rad_s[rows, column], tau)
         if curve is not None:
             found[joint] = curve
     return found
 
 
-def _ticks(recording: Recording, phases: Phases) -> _Ticks | None:
-    """Ticks within repetitions, None where the file has none or the device measures no torque."""
-    joints = recording.header.robot_joints
-    if not joints or not recording.counts.get(ROBOT_STATE.name, 0) or not phases.t_ns.size:
+def _measured(track: Track | None) -> Track | None:
+    """None where the device measures no torque."""
+    if track is None or not bool(np.isfinite(track.tau_nm).any()):
         return None
-    rows = recording.columns(ROBOT_STATE)
-    t_ns: Int64 = np.asarray(rows["t_ns"], dtype=np.int64)
-    chosen = np.flatnonzero(phases.active_repetition(t_ns) >= 0)
-    if not chosen.size:
-        return None
-    q, dq, tau = (
-        np.asarray(rows[name], dtype=np.float64).reshape(t_ns.size, len(joints))[chosen]
-        for name in ("q_rad", "dq_rad_s", "tau_interaction_nm")
-    )
-    if not bool(np.isfinite(tau).any()) or float(np.sqrt(np.nanmean(tau**2))) < 0.1 * FLOOR_NM:
-        return None
-    passive = phases.mode[phases.rows_at(t_ns[chosen])] == "passive"
-    return _Ticks(seconds(t_ns[chosen]), q, dq, tau, np.asarray(passive, dtype=np.bool_), t_ns[chosen])
+    return track if float(np.sqrt(np.nanmean(track.tau_nm**2))) >= 0.1 * FLOOR_NM else None

@@ -134,14 +134,37 @@ def ldlj(speed: Float64, rate_hz: float) -> Estimate:
         speed: Speed profile, shape (N,), any amplitude.
         rate_hz: Samples per second.
     """
-    if speed.size < SHORTEST:
-        return _TOO_SHORT
-    if not bool(np.isfinite(speed).all()):
+    return ldlj_many([speed], rate_hz)[0]
+
+
+def ldlj_many(speeds: Sequence[Float64], rate_hz: float) -> list[Estimate]:
+    """Log dimensionless jerk of many profiles, taken together.
+
+    Args:
+        speeds: Profiles, each (N,) of its own length.
+        rate_hz: Samples per second of all of them.
+    """
+    lengths = np.array([speed.size for speed in speeds], dtype=np.int64)
+    found = [_TOO_SHORT] * len(speeds)
+    chosen = np.flatnonzero(lengths >= SHORTEST)
+    if not chosen.size:
+        return found
+    laid, size = np.concatenate([speeds[index] for index in chosen.tolist()]), lengths[chosen]
+    first = np.cumsum(size) - size
+    bends = np.zeros(laid.size)
+    bends[:-2] = np.diff(laid, 2) ** 2
+    bends[np.concatenate((first + size - 2, first + size - 1))] = 0.0  # these reach into the next profile
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        largest = np.maximum.reduceat(laid, first)
+        cost = (size / rate_hz) ** 3 / largest**2 * np.add.reduceat(bends, first) * rate_hz**3
+    for index, peak, one in zip(chosen.tolist(), largest.tolist(), cost.tolist(), strict=True):
+        found[index] = _judged_cost(peak, one)
+    return found
+
+
+def _judged_cost(peak: float, cost: float) -> Estimate:
+    if not math.isfinite(peak):
         return _GAP
-    if not float(speed.max()) > 0.0:
+    if not peak > 0.0:
         return _NOTHING_MOVED
-    step_s = 1.0 / rate_hz
-    jerk = np.diff(speed, 2) / step_s**2
-    duration_s = speed.size * step_s
-    cost = duration_s**3 / float(speed.max()) ** 2 * float(np.sum(jerk**2)) * step_s
-    return Estimate(-math.log(cost)) if cost > 0 else _UNCHANGED
+    return Estimate(-math.log(cost)) if math.isfinite(cost) and cost > 0.0 else _UNCHANGED

@@ -11,7 +11,7 @@ from scipy.special import stdtrit
 from sessions.metrics.filtering import low_pass, speed_m_s
 from sessions.metrics.metric import Estimate
 from sessions.metrics.movement import active_rows, movement_time, path_ratio, peak_speed
-from sessions.metrics.smoothness import ldlj, sparc_many
+from sessions.metrics.smoothness import ldlj_many, sparc_many
 from sessions.metrics.spans import uniform_spans
 from sessions.records.fields import Float64
 
@@ -123,16 +123,16 @@ def _of_many(paths_m: list[Float64], rate_hz: float) -> list[StrokeValues]:
     speeds = [speed_m_s(path, rate_hz) for path in paths]
     rows = [active_rows(speed) for speed in speeds]
     profiles = [speed[used] for speed, used in zip(speeds, rows, strict=True)]
-    smooth = sparc_many(profiles, rate_hz)
+    smooth, jerky = sparc_many(profiles, rate_hz), ldlj_many(profiles, rate_hz)
     return [
         StrokeValues(
             arc,
-            ldlj(profile, rate_hz),
+            jerk,
             movement_time(speed, rate_hz),
             peak_speed(speed),
             path_ratio(path[used]),
             float(np.linalg.norm(path[used][-1] - path[used][0])),
             rate_hz,
         )
-        for path, speed, used, profile, arc in zip(paths, speeds, rows, profiles, smooth, strict=True)
+        for path, speed, used, arc, jerk in zip(paths, speeds, rows, smooth, jerky, strict=True)
     ]

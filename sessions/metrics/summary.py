@@ -97,6 +97,7 @@ class Summary:
         repetitions: Repetitions of a therapy session, empty for a take.
         stops: Interruptions, in order.
         overlay: Curves for the picture.
+        passive_sha256: SHA-256 of the passive run that was taken off the patient's work, empty without one.
     """
 
     header: SessionHeader
@@ -108,6 +109,7 @@ class Summary:
     repetitions: tuple[Repetition, ...]
     stops: tuple[Stop, ...]
     overlay: Overlay
+    passive_sha256: str = ""
 
     def metric(self, name: str, subject: str = "whole") -> Metric | None:
         """One number by name and subject, None where the file has no such number."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from sessions.metrics.metric import Estimate, Metric, metric
 from sessions.metrics.recording import ACTIVE_PHASES, Origin, Phases
+from sessions.metrics.robot_fold import Commanded, Folded
 from sessions.records import DIGITS
-from sessions.records.fields import Float64, Int64
+from sessions.records.fields import Float64
 from sessions.records.topics import PHASE, ROBOT_COMMAND
 
 
@@ -24,36 +27,34 @@ def assistance(phases: Phases, repetition: int | None = None) -> Float64:
     return result
 
 
-def support_metrics(
-    phases: Phases, t_ns: Int64, stiffness: dict[str, Float64], origin: Origin
-) -> list[Metric]:
+def support_metrics(phases: Phases, folded: Folded, origin: Origin) -> list[Metric]:
     """Assistance by digit and stiffness by robot joint.
 
     Args:
         phases: Phases of the session.
-        t_ns: Times of the stiffness, shape (N,).
-        stiffness: Requested stiffness by robot joint, Nm/rad, each (N,).
+        folded: What the robot's ticks left.
         origin: Which file.
     """
     of_phases = origin.lineage((PHASE,), phases.t_ns)
-    of_commands = origin.lineage((ROBOT_COMMAND, PHASE), t_ns)
+    span = np.array(folded.stiffness_span_ns if folded.stiffness else (), dtype=np.int64)
+    of_commands = origin.lineage((ROBOT_COMMAND, PHASE), span)
     found: list[Metric] = []
     for digit, mean in zip(DIGITS, assistance(phases), strict=True):
         value = (
             Estimate(float(mean)) if np.isfinite(mean) else Estimate.missing("the robot does not drive it")
         )
         found.append(metric("assistance", digit, value, of_phases))
-    for joint, values in stiffness.items():
-        varies = float(np.ptp(values)) > 0.05 * max(1e-9, float(values.max()))
-        flag = f"mean; it varied from {values.min():.2f} to {values.max():.2f} Nm/rad" if varies else ""
-        found.append(metric("stiffness", joint, Estimate(float(values.mean())), of_commands, flag))
-    if not stiffness:
+    for joint, one in folded.stiffness.items():
+        varies = one.most - one.least > 0.05 * max(1e-9, one.most)
+        flag = f"mean; it varied from {one.least:.2f} to {one.most:.2f} Nm/rad" if varies else ""
+        found.append(metric("stiffness", joint, Estimate(one.mean), of_commands, flag))
+    if not folded.stiffness:
         missing = Estimate.missing("the file holds no robot command")
         found.append(metric("stiffness", "whole", missing, of_commands))
     return found
 
 
-def conditions(phases: Phases, stiffness: dict[str, Float64]) -> str:
+def conditions(phases: Phases, stiffness: Mapping[str, Commanded]) -> str:
     """The help in words, such as "stiffness 0.90 to 1.20 Nm/rad (3.0 times the thesis gains), passive mode".
 
     Empty where neither command nor assistance is in the file: then no error may be shown.
@@ -62,7 +63,7 @@ def conditions(phases: Phases, stiffness: dict[str, Float64]) -> str:
     known = helped[np.isfinite(helped)]
     words: list[str] = []
     if stiffness:
-        means = [float(values.mean()) for values in stiffness.values()]
+        means = [one.mean for one in stiffness.values()]
         words.append(f"stiffness {_span(min(means), max(means), 2)} Nm/rad")
     if known.size:
         multiple = f"{_span(float(known.min()), float(known.max()), 1)} times the thesis gains"

@@ -13,6 +13,7 @@ from sessions.metrics.followed import Followed, decomposed_metrics, followed_by,
 from sessions.metrics.hand_motion import (
     HandMotion,
     active_motion_metrics,
+    at_rows,
     main_cycles,
     range_metrics,
     stroke_metrics,
@@ -21,8 +22,9 @@ from sessions.metrics.metric import Estimate, Metric, metric
 from sessions.metrics.opening_numbers import opening_metrics
 from sessions.metrics.overlay import thin
 from sessions.metrics.recording import ACTIVE_PHASES, Origin, Phases, Recording, read_phases, seconds
-from sessions.metrics.robot_blocks import RobotTicks, effort_metrics, read_robot, read_stiffness
-from sessions.metrics.separated import PassiveRun, separated_metrics
+from sessions.metrics.robot_blocks import RobotTicks, effort_metrics
+from sessions.metrics.robot_fold import fold
+from sessions.metrics.separated import PassiveRun, separated_metrics, separation
 from sessions.metrics.started import start_metrics
 from sessions.metrics.summary import Overlay, Repetition, Stop, Summary
 from sessions.metrics.support import assistance, conditions, modes, support_metrics
@@ -52,7 +54,7 @@ def measure_therapy(recording: Recording, passive: PassiveRun | None = None) -> 
     Raises:
         Refused: The file holds no patient pose or no reference.
     """
-    read, support = _read(recording)
+    read, support = _read(recording, passive)
     stops = _stops(recording, int(read.patient.t_ns[0]))
     repetitions = _repetitions(read)
     moving = read.phases.active_repetition(read.patient.t_ns) >= 0
@@ -65,7 +67,7 @@ def measure_therapy(recording: Recording, passive: PassiveRun | None = None) -> 
         *support,
         *start_metrics(read.phases, read.followed, read.origin),
         *effort_metrics(read.robot, read.origin),
-        *separated_metrics(recording, read.phases, read.origin, passive),
+        *separated_metrics(read.robot.separation, read.robot.t_ns, read.origin),
         *_dose(read, repetitions, stops, recording.header.prescription),
         *at_device_end(range_metrics(read.patient, read.origin), ends),
         *stroke_metrics(read.patient, strokes, read.origin),
@@ -83,10 +85,11 @@ def measure_therapy(recording: Recording, passive: PassiveRun | None = None) -> 
         tuple(repetitions),
         stops,
         _overlay(read.followed, repetitions),
+        "" if passive is None else passive.sha256,
     )
 
 
-def _read(recording: Recording) -> tuple[_Read, list[Metric]]:
+def _read(recording: Recording, passive: PassiveRun | None) -> tuple[_Read, list[Metric]]:
     for topic in (PATIENT_POSE, REFERENCE, PHASE):
         if recording.counts.get(topic.name, 0) < 2:
             raise Refused(
@@ -105,11 +108,12 @@ def _read(recording: Recording) -> tuple[_Read, list[Metric]]:
         )
     patient, source = _patient(recording)
     origin = Origin(recording.sha256, source)
-    t_ns, stiffness = read_stiffness(recording, phases)
-    words = conditions(phases, stiffness)
+    folded = fold(recording)
+    words = conditions(phases, folded.stiffness)
     followed = _followed(recording, patient, phases)
-    read = _Read(phases, patient, followed, read_robot(recording, phases), origin, words)
-    return read, support_metrics(phases, t_ns, stiffness, origin)
+    known = separation(recording, folded.stretches, passive)
+    robot = RobotTicks(recording.header.robot_joints if folded.stretches else (), folded.stretches, known)
+    return _Read(phases, patient, followed, robot, origin, words), support_metrics(phases, folded, origin)
 
 
 def _patient(recording: Recording) -> tuple[HandMotion, str]:
@@ -131,17 +135,10 @@ def _followed(recording: Recording, patient: HandMotion, phases: Phases) -> Foll
     joints = np.asarray(rows["joints_rad"], dtype=np.float64)
     tips = np.asarray(rows["fingertips_palm_m"], dtype=np.float64)
     of_patient, of_reference = pair(patient, np.asarray(rows["t_ns"], dtype=np.int64), joints, tips)
-    paired = HandMotion(
-        patient.topic,
-        patient.t_ns[of_patient],
-        patient.joints_rad[of_patient],
-        patient.joint_std_rad[of_patient],
-        patient.joint_status[of_patient],
-        patient.fingertips_m[of_patient],
-        patient.fingertip_std_m[of_patient],
-    )
+    paired = patient.at(of_patient)
     repetition = phases.active_repetition(paired.t_ns)
-    return followed_by(paired, joints[of_reference], tips[of_reference], repetition)
+    joints, tips = at_rows(joints, of_reference), at_rows(tips, of_reference)
+    return followed_by(paired, joints, tips, repetition)
 
 
 def _repetitions(read: _Read) -> list[Repetition]:

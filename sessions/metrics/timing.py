@@ -24,6 +24,10 @@ RATE_HZ = 20.0
 """Rate at which two movements are compared: fingers move below 6 Hz, and warping grows with its square."""
 WINDOW_S = 1.0
 """Farthest that the warping may shift an instant; the delay is looked for within it, too."""
+LONGEST_S = 60.0
+"""Longer repetitions are not taken apart: the table of the warping grows with the square."""
+JUMP_S = 5.0
+"""Nothing is laid across a longer step: the clock jumped, or the hand was away."""
 MOVING_SHARE = 0.2
 SHORTEST = 8
 _ROUNDS = 3
@@ -57,8 +61,12 @@ def decompose(t_s: Float64, patient_m: Float64, reference_m: Float64) -> Decompo
     """
     there = np.isfinite(patient_m).all(axis=1) & np.isfinite(reference_m).all(axis=1)
     if int(there.sum()) < SHORTEST or float(np.ptp(t_s[there])) * RATE_HZ < SHORTEST:
-        missing = Estimate.missing("less than 0.4 s of the movement was measured")
-        return Decomposition(missing, missing, missing, missing)
+        return _nothing("less than 0.4 s of the movement was measured")
+    step = np.diff(t_s[there])
+    if float(step.min()) <= 0.0 or float(step.max()) > JUMP_S:
+        return _nothing("the clock jumped, or the hand was not seen for a while")
+    if float(np.ptp(t_s[there])) > LONGEST_S:
+        return _nothing(f"longer than {LONGEST_S:.0f} s")
     patient, reference = (_even(t_s[there], values[there]) for values in (patient_m, reference_m))
     offset = (patient - reference).mean(axis=0)
     path = _warped(patient - offset, reference)
@@ -74,6 +82,11 @@ def decompose(t_s: Float64, patient_m: Float64, reference_m: Float64) -> Decompo
         Estimate(float(np.sqrt(np.mean(shape**2)))),
         Estimate(float(np.linalg.norm(offset))),
     )
+
+
+def _nothing(reason: str) -> Decomposition:
+    missing = Estimate.missing(reason)
+    return Decomposition(missing, missing, missing, missing)
 
 
 def warped_distance(one: Float64, other: Float64) -> float:

@@ -41,6 +41,20 @@ def rmse(values: Float64, reference: Float64, std: Float64) -> Estimate:
     return Estimate(value, (max(0.0, value - Z95 * uncertainty), value + Z95 * uncertainty))
 
 
+def rmse_columns(values: Float64, reference: Float64, std: Float64) -> list[Estimate]:
+    """``rmse`` of each of J columns, each of shape (N,), from shapes (N, J); those without a gap together."""
+    distance, spread = np.abs((values - reference).T, order="C"), np.ascontiguousarray(std.T)
+    if not distance.size or not bool(np.isfinite(distance).all() and np.isfinite(spread).all()):
+        return [rmse(values[:, j], reference[:, j], std[:, j]) for j in range(values.shape[1])]
+    level = np.sqrt(np.mean(distance**2, axis=1))
+    shared = np.mean(distance * spread, axis=1) / np.where(level > 0.0, level, 1.0)
+    shared = np.where(level > 0.0, shared, np.sqrt(np.mean(spread**2, axis=1)))
+    return [
+        Estimate(value, (max(0.0, value - Z95 * one), value + Z95 * one))
+        for value, one in zip(level.tolist(), shared.tolist(), strict=True)
+    ]
+
+
 def pooled_rmse(parts: list[Estimate]) -> Estimate:
     """Root mean square over several joints or digits that were measured equally often.
 

@@ -60,6 +60,7 @@ def _session(summary: Summary) -> dict[str, Any]:
         "exercise": header.exercise,
         "source": header.source,
         "file_sha256": summary.sha256,
+        "passive_run_sha256": summary.passive_sha256 or None,
         "parents": list(header.parents),
         "utc_start_ns": header.utc_start_ns,
         "duration_s": summary.duration_s,

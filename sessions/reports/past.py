@@ -13,7 +13,7 @@ import msgspec
 from sessions.errors import Refused
 from sessions.metrics import DEFINITIONS, Metric, Repetition, Summary
 from sessions.records.topics import EVENTS
-from sessions.reports.recorded import measure_recorded
+from sessions.reports.passive import measure_beside
 from sessions.store import SessionReader
 
 _SHAPE = "1"
@@ -132,8 +132,12 @@ def past_version() -> str:
     return f"past-{_SHAPE}-{hashlib.sha256(named.encode()).hexdigest()[:16]}"
 
 
-def measure_past(path: Path) -> Past:
+def measure_past(path: Path, passive: Sequence[Path] = ()) -> Past:
     """Measure a sealed session; one that has nothing to measure says why.
+
+    Args:
+        path: The file.
+        passive: Passive runs of the same patient and day, the likeliest first.
 
     Raises:
         Refused: The file cannot be read at all.
@@ -143,7 +147,7 @@ def measure_past(path: Path) -> Past:
         counted = reader.counts.get(EVENTS.name, 0)
         events = reader.columns(EVENTS) if counted else {}
     try:
-        summary = measure_recorded(path)
+        summary = measure_beside(path, passive)
     except Refused as refusal:
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
         return Past(

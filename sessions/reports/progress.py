@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 from sessions.metrics import definition
 from sessions.records import JOINTS
+from sessions.reports.assessed import Tone
 from sessions.reports.past import Kept, Past
 from sessions.reports.verdict import Bound, Change, change, comparable
 
@@ -54,6 +55,9 @@ class Progress:
         ordered: Repetitions that the present plan orders, 0 without one.
         software_version: Version of the software.
         title: Heading.
+        active: Range assessments, what the patient reached alone, oldest first.
+        passive: The same assessments, what the device reached.
+        tones: Tone assessments, oldest first.
     """
 
     subject_id: str
@@ -66,6 +70,9 @@ class Progress:
     ordered: int
     software_version: str
     title: str = "Progress"
+    active: tuple[Past, ...] = ()
+    passive: tuple[Past, ...] = ()
+    tones: tuple[Tone, ...] = ()
 
     def bound(self) -> Bound:
         """The table of bounds as a question."""

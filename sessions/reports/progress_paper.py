@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from datetime import UTC, datetime
 
+from sessions.reports.assessed import NO_GRADE, tone_words
 from sessions.reports.method import definitions
 from sessions.reports.paper import (
     Block,
@@ -30,7 +31,13 @@ from sessions.reports.progress_figures import (
     support_picture,
 )
 from sessions.reports.progress_sentences import progress_sentences
-from sessions.reports.progress_tables import ALL_NAMES, Judgements, judged_tables, overall_words
+from sessions.reports.progress_tables import (
+    ALL_NAMES,
+    Judgements,
+    assessed_tables,
+    judged_tables,
+    overall_words,
+)
 from sessions.reports.wording import joint_name, plural
 
 _LIMITS = (
@@ -39,7 +46,8 @@ _LIMITS = (
     "Below MDC: nothing can be said. Not measurable: the sessions may not be compared, for the reason in "
     "the note.",
     "A detectable change is not yet an important one: published minimal important differences stand beside "
-    "it where there are any.",
+    "the scores that the clinic takes. For numbers measured by a robot or a camera none is published, so no "
+    "change of these is called important.",
     "Stretching alone gains about 2 degrees: a gain of that size is credited to nothing and nobody.",
     "A range that the robot moved the hand through is the robot's, not the patient's; the two are never "
     "compared.",
@@ -74,6 +82,7 @@ def _clinician(progress: Progress) -> list[Block]:
     if not tables:
         blocks.append(Hint("No number was measured in any session.", missing=True))
     blocks += [Notes(tuple(judgements.texts)), overall_words(progress)]
+    blocks += _assessed(progress)
     if progress.scores:
         rows = tuple(
             (item.name, item.baseline, item.last, item.now, item.change, item.meaning)
@@ -84,6 +93,19 @@ def _clinician(progress: Progress) -> list[Block]:
     if progress.left_out:
         texts = tuple(f"{day(item.utc_start_ns)}: {item.reason}" for item in progress.left_out)
         blocks += [Heading("Sessions that take no part", 3), Bullets(texts)]
+    return blocks
+
+
+def _assessed(progress: Progress) -> list[Block]:
+    """What the guided assessments found, beside what nobody published for them."""
+    judgements = Judgements()
+    tables, tone = assessed_tables(progress, judgements), tone_words(progress.tones)
+    blocks: list[Block] = []
+    if tables:
+        blocks += [Heading("Range assessments", 3), *(Numbers(table) for table in tables)]
+        blocks += [Notes(tuple(judgements.texts))] if judgements.texts else []
+    if tone is not None:
+        blocks += [Heading("Tone, stretched at several speeds", 3), tone, Hint(NO_GRADE)]
     return blocks
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from sessions.metrics import definition
-from sessions.records import DIGITS
+from sessions.records import DIGITS, JOINTS
+from sessions.reports.assessed import BY_JOINT as ASSESSED
 from sessions.reports.paper import Words
 from sessions.reports.past import Kept, Past
 from sessions.reports.progress import Line, Progress, line, moved_joints
@@ -38,10 +39,37 @@ class Judgements:
 
 
 def judged_tables(progress: Progress, judgements: Judgements) -> tuple[Table, ...]:
-    """One table per metric that some session has."""
+    """One table per metric and mode that some session has: modes are never compared with each other."""
     wanted: list[tuple[str, Iterable[str]]] = [(name, moved_joints(progress.pasts)) for name in BY_JOINT]
     wanted += [("joint_rmse", ("whole",)), *((name, (*DIGITS, "whole")) for name in BY_DIGIT)]
-    made = (_table(progress, name, subjects, judgements) for name, subjects in wanted)
+    views = _by_mode(progress)
+    made = (
+        _table(view, name, subjects, judgements, mode) for name, subjects in wanted for view, mode in views
+    )
+    return tuple(table for table in made if table.rows)
+
+
+def _by_mode(progress: Progress) -> list[tuple[Progress, str]]:
+    """The sessions of each mode, that of the latest session first; all together where two are compared."""
+    modes = [past.modes for past in reversed(progress.pasts)]
+    if len(progress.pasts) <= 2 or len({frozenset(one) for one in modes}) < 2:
+        return [(progress, "")]
+    return [
+        (
+            replace(progress, pasts=tuple(past for past in progress.pasts if frozenset(past.modes) == of_mode)),
+            f"{' and '.join(sorted(of_mode)) or 'unknown'} mode",
+        )
+        for of_mode in dict.fromkeys(frozenset(one) for one in modes)
+    ]
+
+
+def assessed_tables(progress: Progress, judgements: Judgements) -> tuple[Table, ...]:
+    """Active and passive range, share of the norm, lag and deficit by joint, from the range assessments."""
+    made: list[Table] = []
+    for pasts in (progress.active, progress.passive):
+        view = replace(progress, pasts=pasts)
+        joints = [joint for joint in JOINTS if any(past.number("range_of_motion", joint) for past in pasts)]
+        made += [_table(view, name, joints, judgements) for name in ASSESSED]
     return tuple(table for table in made if table.rows)
 
 
@@ -67,18 +95,21 @@ def overall_words(progress: Progress) -> Words:
     return Words(("Dose and support", *names), tuple(rows))
 
 
-def _table(progress: Progress, name: str, subjects: Iterable[str], judgements: Judgements) -> Table:
+def _table(
+    progress: Progress, name: str, subjects: Iterable[str], judgements: Judgements, mode: str = ""
+) -> Table:
     lines = [found for subject in subjects if (found := line(progress, name, subject)) is not None]
-    two = len(progress.pasts) <= 2
+    two = not mode and len(progress.pasts) <= 2
     columns = ("", *(("First", "Second") if two else ("Baseline", "Last", "Now")), "Change", "MDC", "Verdict")
     rows = tuple(_row(item, two, judgements) for item in lines)
-    return Table(_title(progress, name, lines), columns, rows)
+    title = _title(progress, name, lines)
+    return Table(f"{title}, {mode}" if mode else title, columns, rows)
 
 
 def _title(progress: Progress, name: str, lines: list[Line]) -> str:
     """Metric, unit and side; of an angle also what measured it and who moved, of an error the stiffness."""
     parts = [heading(name), f"{progress.side} hand"]
-    if lines and name in (*BY_JOINT, "total_active_motion"):
+    if lines and name in (*BY_JOINT, *ASSESSED, "total_active_motion"):
         parts += ["by " + " and ".join(dict.fromkeys(item.now.source for item in lines))]
         parts.append("the robot moved the hand" if helped(lines[0].session) else "the patient moved")
     if lines and name in (*ERRORS, "sparc", "movement_time"):

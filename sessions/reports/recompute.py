@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 
 from sessions.errors import Refused
 from sessions.reports.exchange import report_object
+from sessions.reports.passive import named_by_digest
 from sessions.reports.report import build_report
 
 _PARTS = ("value", "unit", "interval", "version", "status", "lineage")
@@ -30,6 +32,8 @@ class Recomputed:
 def verify_report(path_json: Path, path_mcap: Path) -> Recomputed:
     """Make a report again and compare it bit for bit.
 
+    A passive run that the report took off is looked for beside the session, by its digest.
+
     Args:
         path_json: The report, as ``render_json`` writes it.
         path_mcap: The take or session that it is about.
@@ -38,7 +42,9 @@ def verify_report(path_json: Path, path_mcap: Path) -> Recomputed:
         Refused: The report cannot be read, is about other files, or a number differs: the first is named.
     """
     written = _read(path_json)
-    made: dict[str, Any] = json.loads(json.dumps(report_object(build_report([path_mcap]))))
+    run = _passive_run(written, path_mcap)
+    report = build_report([path_mcap], passive={path_mcap: (run,)} if run else None)
+    made: dict[str, Any] = json.loads(json.dumps(report_object(report)))
     digest = str(made["sessions"][0]["file_sha256"])
     claimed = [item for item in written["metrics"] if _digest(item) == digest]
     if not claimed:
@@ -51,6 +57,21 @@ def verify_report(path_json: Path, path_mcap: Path) -> Recomputed:
         value, bound = f"{len(claimed)} numbers long", f"{len(again)} numbers long, as the file gives"
         raise Refused(f"report {path_json.name}", value, bound, "make the report again")
     return Recomputed(digest, len(again))
+
+
+def _passive_run(written: dict[str, Any], path_mcap: Path) -> Path | None:
+    """The passive run that the report took off this file, None without one.
+
+    Raises:
+        Refused: It is not beside the session.
+    """
+    with path_mcap.open("rb") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+    for session in written.get("sessions") or ():
+        taken = session.get("passive_run_sha256") if isinstance(session, dict) else None
+        if isinstance(taken, str) and taken and session.get("file_sha256") == digest:
+            return named_by_digest(taken, path_mcap.parent)
+    return None
 
 
 def _compare(name: str, one: dict[str, Any], other: dict[str, Any]) -> None:

@@ -17,7 +17,7 @@ from tests.bench.interval_coverage import covered
 pytestmark = pytest.mark.bench
 
 MOVEMENTS, RATE_HZ = 1000, 100.0
-HELD_OUT = range(101, 109)
+HELD_OUT = range(201, 209)
 MOVES = ("open_close", "index_pip", "tapping", "pinch")
 
 

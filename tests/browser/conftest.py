@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import socket
-import subprocess
-import sys
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +11,8 @@ import pytest
 
 from rehab_app.access import CONSOLE
 from rehab_app.bootstrap import open_clinic
+
+from .clinic_server import serving
 
 NAME, PASSWORD = "anna", "a hand that opens"
 _FLAGS = (
@@ -60,23 +58,8 @@ def served(tmp_path_factory, chromium):
         clinic.patients.add(
             CONSOLE, given_name="Clara", family_name="Weber", birth_date="1957-03-14", side="right"
         )
-    with socket.create_server(("127.0.0.1", 0)) as probe:
-        port = probe.getsockname()[1]
-    command = [sys.executable, "-m", "rehab_app", "serve", "--data", str(folder), "--port", str(port)]
-    log = folder / "server.log"
-    with (
-        log.open("w") as words,
-        subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=words) as server,
-    ):
-        end_s = time.monotonic() + 60.0
-        while "is open at" not in log.read_text():
-            assert server.poll() is None, log.read_text()
-            assert time.monotonic() < end_s, "the server did not open within a minute"
-            time.sleep(0.05)
-        yield Served(f"http://localhost:{port}", folder)
-        server.terminate()
-        server.wait(timeout=30)
-    assert "Traceback" not in log.read_text(), log.read_text()
+    with serving(folder) as server:
+        yield Served(server.address, folder)
 
 
 @pytest.fixture(scope="session")
@@ -93,20 +76,40 @@ def patient_chromium(chromium, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def page(patient_chromium):
-    """A page of 1440 x 900; scripts that fail are collected in ``page.problems``."""
+def chrome(patient_chromium):
+    """The browser."""
     from playwright.sync_api import expect, sync_playwright
 
     expect.set_options(timeout=60_000)
 
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=patient_chromium, args=list(_FLAGS))
-        opened = browser.new_page(viewport={"width": 1440, "height": 900})
-        opened.set_default_timeout(60_000)
-        opened.problems = []
-        opened.on("pageerror", lambda error: opened.problems.append(str(error)))
-        yield opened
+        yield browser
         browser.close()
+
+
+@pytest.fixture(scope="module")
+def visitor(chrome):
+    """Opens a page for one more person: cookies of its own, 1440 x 900 unless told.
+
+    Scripts that fail are collected in ``page.problems``, dialogs in ``page.dialogs``.
+    """
+
+    def opened(width=1440, height=900, **more):
+        page = chrome.new_context(viewport={"width": width, "height": height}, **more).new_page()
+        page.set_default_timeout(60_000)
+        page.problems, page.dialogs = [], []
+        page.on("pageerror", lambda error: page.problems.append(str(error)))
+        page.on("dialog", lambda dialog: (page.dialogs.append(dialog.message), dialog.dismiss()))
+        return page
+
+    return opened
+
+
+@pytest.fixture(scope="module")
+def page(visitor):
+    """The page of one person."""
+    return visitor()
 
 
 @pytest.fixture

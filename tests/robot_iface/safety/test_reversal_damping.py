@@ -34,19 +34,20 @@ def reversing(rigid: Any) -> Any:
 
 
 @pytest.mark.parametrize("joint", range(3))
-def test_a_hand_that_is_thrown_is_damped_beyond_what_a_patient_may_be_pushed_with(
-    rigid: Any, joint: int
-) -> None:
-    """The interaction limit bounds what pushes the hand; damping may take all that the motor has."""
+def test_a_hand_that_is_thrown_is_damped_with_the_highest_load_that_it_had(rigid: Any, joint: int) -> None:
+    """The device makes up for what the load has fallen by, and for no more: a brake must not be a blow."""
     rig = reversing(rigid)
     report(rig, -0.5)
     rig.run(20)
     rig.hand.dq[joint] = np.deg2rad(150.0)
+    given = float(np.abs(rig.hand.tau[joint]))
     outcome = rig.cycle()
     assert outcome.reversing
-    braking = FULL_NMS_RAD * (np.deg2rad(150.0) - np.deg2rad(15.0))
-    assert braking > rig.limits.tau_interaction_nm[joint]
-    assert outcome.applied_tau_nm[joint] == pytest.approx(-braking, rel=0.02)
+    limit = rig.limits.tau_interaction_nm[joint]
+    braking = -float(outcome.applied_tau_nm[joint])
+    assert 0.25 * limit <= braking
+    assert braking <= max(given + (1.2 - 0.5) * limit, FULL_NMS_RAD * np.deg2rad(150.0)) + 1e-9
+    assert braking < FULL_NMS_RAD * (np.deg2rad(150.0) - np.deg2rad(15.0))
     rig.hand.dq[joint] = np.deg2rad(-199.0)
     assert np.abs(rig.cycle().applied_tau_nm[joint]) <= 0.6
 
@@ -61,14 +62,12 @@ def test_where_it_fails_nothing_of_the_damping_is_taken_back(rigid: Any) -> None
     assert np.all(rig.outcomes[-1].applied.damping_nms_rad == FULL_NMS_RAD)
 
 
-def test_without_a_reversal_damping_begins_as_a_law_has_it_and_is_all_there_in_10_ms(rigid: Any) -> None:
+def test_a_hand_that_rests_is_damped_fully_at_once(rigid: Any) -> None:
     rig = rigid.Rig(ramp_s=0.05)
     rig.go_active()
     report(rig, -1.6)
     rig.run(12)
-    rig_damping = [float(outcome.applied.damping_nms_rad[0]) for outcome in rig.outcomes[-12:]]
-    expected = 0.03 + 0.12 * np.minimum(np.arange(1, 13) * 0.1, 1.0)
-    assert rig_damping == pytest.approx(expected.tolist())
+    assert all(np.all(outcome.applied.damping_nms_rad == FULL_NMS_RAD) for outcome in rig.outcomes[-12:])
 
 
 @pytest.mark.parametrize("speed_deg_s", [-15.0, 30.0])

@@ -90,7 +90,8 @@ def test_a_constant_lag_is_the_error_of_its_joint(make_session: Make) -> None:
     for repetition in summary.repetitions:
         assert math.degrees(repetition.rmse_rad) == pytest.approx(1.5)
         assert repetition.completed
-        assert repetition.robot_share == pytest.approx(1.0, abs=0.03)
+        assert math.isnan(repetition.robot_share)
+    assert "in passive mode" in status(summary, "robot_share")
 
 
 def test_only_moving_and_holding_count(make_session: Make) -> None:
@@ -186,6 +187,4 @@ def test_a_repetition_with_two_stretches_is_one_account(make_session: Make) -> N
     names[moving[8:10]] = "rest"  # a pause within the movement
     summary = measure(session)
     assert [item.index for item in summary.repetitions] == [0, 1, 2]
-    # What was put in during the pause is not counted, so a little of the recoil looks like effort.
-    assert 0.85 < summary.repetitions[1].robot_share < 1.0
     assert value(summary, "dose_time") == pytest.approx(3 * 2.6 - 0.2, abs=0.01)

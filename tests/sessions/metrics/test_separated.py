@@ -17,7 +17,8 @@ from sessions.metrics.metric import Lineage, Metric
 from sessions.metrics.passive_curve import own_work, passive_curve
 from sessions.metrics.recording import Origin, read_phases
 from sessions.metrics.repeatability import mdc95, repeatability, standard_error
-from sessions.metrics.separated import read_passive, separated_metrics
+from sessions.metrics.robot_fold import fold
+from sessions.metrics.separated import read_passive, separated_metrics, separation
 from sessions.metrics.started import latencies
 from sessions.records.topics import PHASE, ROBOT_STATE
 
@@ -65,7 +66,9 @@ def test_where_the_curve_ends_nothing_is_separated() -> None:
 def own(session: Any, passive: Any = None) -> dict[str, Metric]:
     origin = Origin(session.sha256, "exoskeleton")
     run = None if passive is None else read_passive(passive)
-    return {item.name: item for item in separated_metrics(session, read_phases(session), origin, run)}
+    stretches = fold(session).stretches
+    ends = np.array(stretches[0].span_ns)
+    return {item.name: item for item in separated_metrics(separation(session, stretches, run), ends, origin)}
 
 
 def test_a_session_needs_a_passive_run_of_the_same_hand_day_and_device(make_session: Make) -> None:

@@ -58,7 +58,7 @@ def test_json_holds_what_the_contract_names(make_take: Make, make_session: Make)
     }
     pip = found["joint_rmse", "index_pip"]
     assert pip["value"] == pytest.approx(np.deg2rad(3.0))
-    assert (pip["unit"], pip["version"], pip["status"]) == ("rad", "1", "ok")
+    assert (pip["unit"], pip["version"], pip["status"]) == ("rad", "2", "ok")
     assert pip["interval"][0] < pip["value"] < pip["interval"][1]
     assert pip["lineage"]["topics"] == ["/patient/pose", "/therapy/reference", "/therapy/phase"]
     assert "0.90 Nm/rad" in pip["lineage"]["conditions"]
