@@ -17,6 +17,8 @@ from rehab_app.hand.series import LandmarkSeries
 from rehab_app.hand.subject import Subject, subject_to_json
 from rehab_app.recording.importers.c3d import read_c3d
 from rehab_app.recording.importers.glove import glove_hand, read_glove
+from rehab_app.recording.importers.leap import SUFFIXES as LEAP
+from rehab_app.recording.importers.leap import read_leap
 from rehab_app.recording.importers.mediapipe import read_mediapipe
 from rehab_app.recording.importers.qualisys import read_qualisys
 from rehab_app.recording.importers.recorded_file import RecordedFile, check_readable
@@ -51,6 +53,7 @@ class ImportedTake:
         subject: The hand scaled to the person.
         fit: The hand in every frame, gaps as NaN and LOST.
         utc_start_ns: When it was recorded; when it was imported if the file does not say.
+        shortest_s: What it must last at least, s.
     """
 
     source: str
@@ -60,6 +63,7 @@ class ImportedTake:
     subject: Subject
     fit: HandFit
     utc_start_ns: int
+    shortest_s: float = SHORTEST_S
 
     @property
     def landmarks(self) -> int:
@@ -117,37 +121,46 @@ class ImportedTake:
             subject_hand=subject_to_json(self.subject),
         )
         t_ns = np.round(1e9 * (self.series.t_s - self.series.t_s[0])).astype(np.int64)
-        return write_take(path, header, take_records(t_ns, self.series, self.fit))
+        return write_take(path, header, take_records(t_ns, self.series, self.fit), self.shortest_s)
 
 
 def import_recording(path: Path, side: str, protocol: str | Path | None = None) -> ImportedTake:
     """Read a recording of another program and fit the person's hand to it.
 
     Args:
-        path: A ``.tsv`` of Qualisys, an ``.npz`` of MediaPipe landmarks, a ``.c3d``, or a glove's ``.csv``.
-        side: "left" or "right"; stated, never inferred.
+        path: A ``.tsv`` of Qualisys, an ``.npz`` of MediaPipe landmarks, a ``.c3d``, a glove's ``.csv``, or a
+            ``.json.lz`` or ``.json`` of a Leap Motion.
+        side: "left" or "right"; stated, never inferred. Empty: the side that a Leap Motion's file states,
+            right for a file that states none.
         protocol: Name or file of the marker protocol; left out, the built-in one whose markers are named.
 
     Raises:
         Refused: The file, side or protocol is unusable: one sentence says why and what to do.
     """
-    sided = _side(side)
-    reader = READERS.get(path.suffix.lower())
     if path.suffix.lower() == GLOVE:
-        return _worn(path, sided, protocol)
-    if reader is None:
-        known = ", ".join((*READERS, GLOVE))
-        raise Refused("recording", repr(path.name), f"one of {known}", "convert it to one of these")
-    check_readable(path)
-    recorded = reader(path)
-    if recorded.series.duration_s < SHORTEST_S:
-        raise too_short(recorded.series.duration_s)
+        return _worn(path, _side(side or "right"), protocol)
+    recorded, sided = _read(path, side)
+    if recorded.series.duration_s < recorded.shortest_s:
+        raise too_short(recorded.series.duration_s, recorded.shortest_s)
     markers = _recognised(path, recorded, protocol)
     series = _chosen(path, recorded.series, markers)
     subject = calibrate_subject(series, markers, sided)
     fit = PoseFitter(subject, markers).fit(series.p_camera_m)
     utc_ns = Timebase.now().utc_start_ns if recorded.utc_start_ns is None else recorded.utc_start_ns
-    return ImportedTake(recorded.source, markers, sided, series, subject, fit, utc_ns)
+    return ImportedTake(recorded.source, markers, sided, series, subject, fit, utc_ns, recorded.shortest_s)
+
+
+def _read(path: Path, side: str) -> tuple[RecordedFile, Side]:
+    """The markers of a recording and the side of their hand."""
+    suffix = path.suffix.lower()
+    asked = _side(side or "right")
+    if suffix not in (*READERS, *LEAP):
+        known = ", ".join((*READERS, GLOVE, *LEAP))
+        raise Refused("recording", repr(path.name), f"one of {known}", "convert it to one of these")
+    check_readable(path)
+    if suffix in LEAP:
+        return read_leap(path, asked if side else None)
+    return READERS[suffix](path), asked
 
 
 def _worn(path: Path, side: Side, protocol: str | Path | None) -> ImportedTake:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from rehab_app.hand.series import LandmarkSeries
+from rehab_app.recording.take import SHORTEST_S
 from sessions.errors import Refused
 from sessions.records.fields import Float64
 
@@ -26,11 +27,13 @@ class RecordedFile:
         source: Kind of file, as session files carry it, such as "qualisys-tsv".
         series: All named points of it, in m, gaps as NaN.
         utc_start_ns: When it was recorded, None where the file does not say.
+        shortest_s: What it must last at least, s.
     """
 
     source: str
     series: LandmarkSeries
     utc_start_ns: int | None
+    shortest_s: float = SHORTEST_S
 
 
 def check_readable(path: Path) -> None:
