@@ -12,14 +12,14 @@ _EVERY = 10
 REACHED_SHARE = 0.75
 """Help that is given as needed leaves a patient this far behind although nothing is amiss."""
 _BEHIND_RAD = 2.0 * DEAD_BAND_RAD
-PUSH_SHARE = 0.1
-"""Motion counts as own while the robot pushes with it by less than this share of the interaction limit."""
 
 
 class Attempt:
     """Follows the joint that the exercise moves most.
 
-    Where the robot helps, only motion without its push counts; where it only measures or resists, all does.
+    Where the robot only measures or resists, the range counts. Where it helps, the range is always reached:
+    what counts there is how far the hand leads the robot, which the robot's help cannot raise. (Motion
+    without its push counts nothing: it falls when help is taken back from a patient who is not tired.)
 
     Args:
         plan: Limits and mode.
@@ -28,8 +28,8 @@ class Attempt:
 
     def __init__(self, plan: Plan, span_rad: Float64) -> None:
         self._joint = int(np.argmax(span_rad))
-        self._helped = plan.prescription.mode in ("passive", "assistive")
-        self._push_nm = PUSH_SHARE * float(plan.limits.tau_interaction_nm[self._joint])
+        self.helped = plan.prescription.mode in ("passive", "assistive")
+        """Whether the robot takes the hand along."""
         self._ticks = 0
         self.begin()
 
@@ -38,7 +38,7 @@ class Attempt:
         self._low = self._target_low = np.inf
         self._high = self._target_high = -np.inf
         self._last: tuple[float, float] | None = None
-        self._travel = self._own = self._behind = 0.0
+        self._ahead = self._behind = 0.0
         self._count = 0
 
     def watch(self, state: DeviceState, target_rad: Float64) -> None:
@@ -53,23 +53,24 @@ class Attempt:
         if self._last is not None:
             way = target - self._last[1]
             sign = (way > 0.0) - (way < 0.0)
-            self._travel += abs(way)
-            if float(state.tau_interaction_nm[joint]) * sign < self._push_nm:
-                self._own += max((q - self._last[0]) * sign, 0.0)
             if sign:
+                self._ahead += (q - target) * sign
                 self._behind += max((target - q) * sign, 0.0)
                 self._count += 1
         self._last = (q, target)
 
-    def reached(self) -> float:
-        """Range reached by own effort, as a share of what was asked for; at most 1."""
-        if self._helped:
-            return min(self._own / self._travel, 1.0) if self._travel > 0.0 else 0.0
-        return self._share()
+    def reached(self, started_by: str) -> float:
+        """Own effort as a share of the range asked for: the range reached; where helped, the mean lead."""
+        if not self.helped:
+            return self._share()
+        if started_by != "patient":
+            return 0.0
+        asked = self._target_high - self._target_low
+        return max(self._ahead / (self._count * asked), 0.0) if self._count and asked > 0.0 else 0.0
 
     def succeeded(self, started_by: str) -> bool:
         """Whether the patient started it and reached the target, where helped without falling behind."""
-        behind = self._helped and self._behind > _BEHIND_RAD * max(self._count, 1)
+        behind = self.helped and self._behind > _BEHIND_RAD * max(self._count, 1)
         return started_by == "patient" and self._share() >= REACHED_SHARE and not behind
 
     def _share(self) -> float:

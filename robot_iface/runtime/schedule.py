@@ -41,7 +41,7 @@ class Schedule:
         self._ordered = plan.prescription
         self._own = plan.prescription.mode != "passive"
         self._attempt = Attempt(plan, movement.span_rad)
-        self._fatigue = Fatigue()
+        self._fatigue = Fatigue(helped=self._attempt.helped)
         self._proposed = False
         self.dose = Dose(plan.prescription, movement.duration_s, return_s, period_s)
         """How long things have lasted."""
@@ -60,7 +60,9 @@ class Schedule:
     def after_return(self, repetition: int, started_by: str) -> Next:
         """What follows when the hand is back; ``repetition`` counts from 0."""
         attempt = self._attempt
-        tired = self._own and self._fatigue.note(attempt.reached(), succeeded=attempt.succeeded(started_by))
+        tired = self._own and self._fatigue.note(
+            attempt.reached(started_by), succeeded=attempt.succeeded(started_by)
+        )
         if repetition + 1 >= self._ordered.repetitions:
             return Next("done", "repetitions")
         if self.dose.minutes_over:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from robot_iface.loop import SimulatedClock
 from robot_iface.runtime import Advance, Order, Rig, ScriptedInbox, Surroundings, perform
 from robot_iface.safety import shipped_limits
 from robot_iface.sim import DRIVEN, SimulatedExoskeleton, VirtualPatient, device_capabilities
+from robot_iface.sim.kinds import virtual_patient
 from robot_iface.types import (
     Mode,
     PatientTwin,
@@ -81,3 +83,19 @@ def test_who_does_not_tire_is_not_sent_to_rest_nor_is_a_passive_hand() -> None:
         end, _, events = run(patient, mode, 10)
         assert end.reason == "repetitions"
         assert not events
+
+
+@pytest.mark.parametrize(("ability", "tires_j"), [(0.7, 0.07), (0.9, 0.15), (0.5, 0.2)])
+def test_help_does_not_hide_a_patient_who_tires(ability: float, tires_j: float) -> None:
+    """The robot goes on to reach the target; the hand leads it less and less, and then fails."""
+    tires = VirtualPatient(0.045, ability=ability, will="follow", tires_j=tires_j)
+    end, _, events = run(tires, "assistive", 40)
+    assert end.reason == "fatigue"
+    assert [event.cause for event in events] == ["fatigue", "fatigue"]
+
+
+@pytest.mark.parametrize("kind", ["healthy", "weak", "mas1+", "mas2", "contracture", "flaccid"])
+def test_help_that_is_taken_back_is_no_fatigue(kind: str) -> None:
+    end, _, events = run(virtual_patient(kind), "assistive", 25)
+    assert end.reason == "repetitions"
+    assert "fatigue" not in [event.cause for event in events]

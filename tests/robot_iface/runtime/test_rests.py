@@ -17,9 +17,9 @@ from robot_iface.types import DeviceState, Plan, Prescription
 MakePlan = Callable[..., Plan]
 
 
-def when_tired(reached: list[float], succeeded: str = "") -> list[int]:
+def when_tired(reached: list[float], succeeded: str = "", *, helped: bool = False) -> list[int]:
     """Repetitions after which fatigue shows."""
-    fatigue, marks = Fatigue(), succeeded or "y" * len(reached)
+    fatigue, marks = Fatigue(helped=helped), succeeded or "y" * len(reached)
     return [
         index
         for index, (share, mark) in enumerate(zip(reached, marks, strict=True))
@@ -43,8 +43,14 @@ def test_fatigue_is_success_that_falls_below_half() -> None:
     assert when_tired([1.0] * 10, "n" * 10) == []
 
 
+def test_where_the_robot_helps_less_effort_is_fatigue_only_where_it_also_fails() -> None:
+    assert when_tired([0.2] * 5 + [0.12] * 5, helped=True) == []
+    assert when_tired([0.2] * 5 + [0.12] * 5, "n" * 10, helped=True) == [7, 8, 9]
+    assert when_tired([0.02] * 5 + [0.01] * 5, "n" * 10, helped=True) == [], "nothing that could fall"
+
+
 def test_a_rest_begins_to_count_anew_but_the_best_stays_the_measure() -> None:
-    fatigue = Fatigue()
+    fatigue = Fatigue(helped=False)
     for share in [1.0] * 5 + [0.7] * 5:
         tired = fatigue.note(share, succeeded=True)
     assert tired
@@ -66,12 +72,13 @@ def attempt_of(plan: Plan, made: float, behind: float, push_nm: float) -> Attemp
     return attempt
 
 
-def test_own_effort_is_motion_without_the_robots_push(make_plan: MakePlan) -> None:
+def test_own_effort_is_the_range_or_where_helped_how_far_the_hand_leads(make_plan: MakePlan) -> None:
     helped, alone = make_plan(mode="assistive"), make_plan(mode="transparent")
-    assert attempt_of(helped, 1.0, 0.0, 0.0).reached() == pytest.approx(1.0, abs=0.02)
-    assert attempt_of(helped, 1.0, 0.0, 0.2).reached() == 0.0
-    assert attempt_of(helped, 0.5, 0.0, 0.0).reached() == pytest.approx(0.5, abs=0.02)
-    assert attempt_of(alone, 0.5, 0.0, 0.2).reached() == pytest.approx(0.5, abs=0.02)
+    assert attempt_of(alone, 0.5, 0.0, 0.2).reached("patient") == pytest.approx(0.5, abs=0.02)
+    assert attempt_of(helped, 1.0, -0.1, 0.0).reached("patient") == pytest.approx(0.1, abs=0.01)
+    assert attempt_of(helped, 1.0, -0.1, 0.2).reached("patient") == pytest.approx(0.1, abs=0.01)
+    assert attempt_of(helped, 1.0, 0.1, 0.0).reached("patient") == 0.0, "left behind"
+    assert attempt_of(helped, 1.0, -0.1, 0.0).reached("robot") == 0.0, "the robot began"
 
 
 def test_success_is_started_reached_and_not_left_behind(make_plan: MakePlan) -> None:
