@@ -100,7 +100,7 @@ class Source:
             raise Damaged("a record reaches beyond the end of the file")
         if length > RECORD_BYTES_MAX:
             raise Damaged(f"a record claims {length} bytes")
-        data = os.pread(self._descriptor, length, start)
+        data = self._bytes(start, length)
         if len(data) != length:
             raise Damaged("the file became shorter while it was read")
         return data
@@ -137,6 +137,10 @@ class Source:
             Damaged: Its content does not follow the format.
         """
         return parse(self.read(span.start, span.length), read)
+
+    def _bytes(self, start: int, length: int) -> bytes:
+        """Bytes that lie within the size; fewer where the file became shorter."""
+        return os.pread(self._descriptor, length, start)
 
 
 def parse(content: bytes, read: Callable[[ReadDataStream], R]) -> R:

@@ -74,4 +74,6 @@ def _told(bucket: str, endpoint: str, key: str, said: str) -> Refused:
     if "not found" in said or "404" in said:
         remedy = "check the bucket, or send the file again with rehab-app store push"
         return Absent(f"object {key!r}", f"not in {name}", "there", remedy)
-    return Unreachable("object store", f"not answering at {place}", "reachable", f"check the network; {_KEPT}")
+    return Unreachable(
+        "object store", f"not answering at {place}", "reachable", f"check the network; {_KEPT}"
+    )

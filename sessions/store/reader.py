@@ -37,6 +37,10 @@ from sessions.timebase import Timebase
 class SessionReader:
     """Reads one sealed session file; a context manager.
 
+    Args:
+        path: The file.
+        source: Where its bytes come from when they do not lie at ``path``; closed with the reader.
+
     Attributes:
         path: The file.
         header: Who, what, when.
@@ -46,10 +50,10 @@ class SessionReader:
         Refused: The file is no sealed session: absent, empty, no MCAP, cut, damaged, foreign or too new.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, source: Source | None = None) -> None:
         self.path = path
         with refusals.refusing(path):
-            self._source = Source(path)
+            self._source = Source(path) if source is None else source
         try:
             with refusals.refusing(path):
                 self.summary, self.header = _opened(path, self._source)

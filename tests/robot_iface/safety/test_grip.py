@@ -52,6 +52,20 @@ def test_its_torque_is_at_most_that_of_the_law_at_this_place_and_speed(
         assert np.all(damping == FULL_NMS_RAD)
 
 
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_what_the_law_would_give_is_its_spring_and_its_damper_at_this_place_and_speed(
+    rigid: Any, way: float
+) -> None:
+    """Nothing is given yet: what damping may reach is what the replaced command would give, to the digit."""
+    rig = rigid.Rig()
+    state = reading(rigid, q_rad=0.8, dq_rad_s=way * 5.0)
+    for stiffness in (0.3, 10.0):
+        spring_nm = np.minimum(stiffness * 0.4, 0.9 * rig.limits.tau_interaction_nm)
+        command = dataclasses.replace(law(0.8 - 0.4 * way, stiffness, 0.02), dq_rad_s=ZEROS + way)
+        allowed = np.minimum(spring_nm + 0.02 * 4.0, rig.limits.tau_nm)
+        assert begun(rigid, command).update(state) * 5.0 == pytest.approx(allowed)
+
+
 def test_a_law_that_pushes_with_the_motion_allows_the_least_only(rigid: Any) -> None:
     limit = rigid.Rig().limits.tau_interaction_nm
     state = reading(rigid, q_rad=0.8, dq_rad_s=3.0)
