@@ -1,0 +1,167 @@
+"""What still has to be done in the object store: one small file for each act, which outlives the process."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, TypeAlias, cast
+
+Act: TypeAlias = Literal["put", "delete"]
+Kind: TypeAlias = Literal["sessions", "takes"]
+_ACTS: tuple[Act, ...] = ("put", "delete")
+_KINDS: tuple[Kind, ...] = ("sessions", "takes")
+_SHA256_LETTERS = 64
+_PRIVATE = 0o700
+_STORED = "stored.txt"
+FOLDER = "uploads"
+
+
+@dataclass(frozen=True, slots=True)
+class Errand:
+    """One act that waits.
+
+    Attributes:
+        act: Send a file, or delete an object.
+        kind: Room of the clinic folder that the file lies in.
+        sha256: Digest of the file.
+        path: Path relative to the clinic folder; "" where an object is deleted.
+    """
+
+    act: Act
+    kind: Kind
+    sha256: str
+    path: str = ""
+
+    @property
+    def name(self) -> str:
+        """File name of the errand, which says all but the path."""
+        return f"{self.act}-{self.kind}-{self.sha256}"
+
+
+class ErrandQueue:
+    """Errands in the folder ``uploads`` of a clinic; any process may add, one at a time works them off.
+
+    Args:
+        root: The clinic folder.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self._folder = root / FOLDER
+
+    def add(self, errand: Errand) -> None:
+        """Keep an errand; it is on the disk when this returns, and twice is once.
+
+        Raises:
+            OSError: The disk refuses.
+        """
+        self._folder.mkdir(mode=_PRIVATE, exist_ok=True)
+        target = self._folder / errand.name
+        working = target.with_name(f".{errand.name}.{os.getpid()}")
+        with working.open("w", encoding="utf-8") as file:
+            file.write(errand.path)
+            file.flush()
+            os.fsync(file.fileno())
+        working.replace(target)
+        _settle(self._folder)
+
+    def holds(self, errand: Errand) -> bool:
+        """Whether an errand still waits."""
+        return (self._folder / errand.name).exists()
+
+    def remove(self, errand: Errand) -> None:
+        """An errand is done; removing it twice does no harm."""
+        (self._folder / errand.name).unlink(missing_ok=True)
+
+    def waiting(self) -> tuple[Errand, ...]:
+        """All errands, deletions first."""
+        if not self._folder.is_dir():
+            return ()
+        found = (self._read(name) for name in sorted(os.listdir(self._folder)))
+        return tuple(errand for errand in found if errand is not None)
+
+    def lock_path(self) -> Path:
+        """File whose lock the one holds that works the errands off."""
+        self._folder.mkdir(mode=_PRIVATE, exist_ok=True)
+        return self._folder / ".lock"
+
+    def _read(self, name: str) -> Errand | None:
+        act, _, rest = name.partition("-")
+        kind, _, sha256 = rest.partition("-")
+        if act not in _ACTS or kind not in _KINDS or len(sha256) != _SHA256_LETTERS:
+            return None
+        try:
+            path = (self._folder / name).read_text(encoding="utf-8")
+        except FileNotFoundError:
+            return None
+        return Errand(cast(Act, act), cast(Kind, kind), sha256, path)
+
+
+class StoredMarks:
+    """Which files were proven to lie in the object store; a line each, and a lost line costs one more proof.
+
+    Args:
+        root: The clinic folder.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self._file = root / FOLDER / _STORED
+        self._read_bytes = 0
+        self._marks: set[str] = set()
+
+    def __len__(self) -> int:
+        return len(self._current())
+
+    def has(self, kind: str, sha256: str) -> bool:
+        """Whether a file was proven to lie there."""
+        return f"{kind}/{sha256}" in self._current()
+
+    def note(self, kind: str, sha256: str) -> None:
+        """A file lies there, proven.
+
+        Raises:
+            OSError: The disk refuses.
+        """
+        self._append(f"+{kind}/{sha256}")
+
+    def forget(self, kind: str, sha256: str) -> None:
+        """A file lies there no more.
+
+        Raises:
+            OSError: The disk refuses.
+        """
+        self._append(f"-{kind}/{sha256}")
+
+    def _append(self, line: str) -> None:
+        self._file.parent.mkdir(mode=_PRIVATE, exist_ok=True)
+        with self._file.open("a", encoding="utf-8") as file:
+            file.write(f"\n{line}\n")  # a line torn by a power cut must not swallow this one
+            file.flush()
+            os.fsync(file.fileno())
+
+    def _current(self) -> set[str]:
+        """The marks, with what other processes have added since."""
+        size = self._file.stat().st_size if self._file.exists() else 0
+        if size < self._read_bytes:
+            self._read_bytes, self._marks = 0, set()
+        if size > self._read_bytes:
+            with self._file.open("rb") as file:
+                file.seek(self._read_bytes)
+                content = file.read()
+            whole = content[: content.rfind(b"\n") + 1]
+            self._read_bytes += len(whole)
+            for line in whole.decode("utf-8", "replace").split("\n"):
+                if line.startswith("+"):
+                    self._marks.add(line[1:])
+                elif line.startswith("-"):
+                    self._marks.discard(line[1:])
+        return self._marks
+
+
+def _settle(folder: Path) -> None:
+    """Wait until the disk has the names in a folder."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
