@@ -16,13 +16,16 @@ from rehab_app.cli.exercises import exercise, withdraw
 from rehab_app.cli.grasp import grasp
 from rehab_app.cli.installation import config, unit, use_file
 from rehab_app.cli.limits import limits
+from rehab_app.cli.migrate import migrate
 from rehab_app.cli.patient_more import outcome
 from rehab_app.cli.progress_report import progress
 from rehab_app.cli.propose import propose
+from rehab_app.cli.recompute import recompute
 from rehab_app.cli.refusals import Commands
 from rehab_app.cli.repeatability import repeatability
 from rehab_app.cli.report import report
 from rehab_app.cli.retouch import retouch
+from rehab_app.cli.store import store
 
 app = typer.Typer(
     name="rehab-app",
@@ -78,9 +81,11 @@ app.command("report")(report)
 app.command("progress")(progress)
 app.command("propose")(propose)
 app.command("repeatability")(repeatability)
+app.command("recompute")(recompute)
 app.command("info")(files.info)
 app.command("verify")(files.verify)
 app.command("recover")(files.recover)
+app.command("migrate")(migrate)
 app.command("backup")(privacy.backup)
 app.command("restore")(privacy.restore)
 app.command("export")(privacy.export)
@@ -92,3 +97,4 @@ app.add_typer(exercise, name="exercise")
 app.add_typer(limits, name="limits")
 app.add_typer(people.user, name="user")
 app.add_typer(privacy.retention, name="retention")
+app.add_typer(store, name="store")

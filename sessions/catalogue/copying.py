@@ -7,13 +7,12 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from sessions.catalogue.ledger import Ledger
-from sessions.errors import Refused
+from sessions.catalogue.moving import Moving
 
 _PAGES = 256
 
 
-class Copying(Ledger):
+class Copying(Moving):
     """Copies the data base."""
 
     def copy_to(self, target: Path) -> None:
@@ -23,15 +22,11 @@ class Copying(Ledger):
             target: New SQLite file; its folder exists.
 
         Raises:
-            Refused: The catalogue is not SQLite.
+            Refused: A data base on a server does not answer.
         """
         if self._engine.dialect.name != "sqlite":
-            raise Refused(
-                "clinic data base",
-                f"on {self._engine.dialect.name}",
-                "an SQLite file, to be copied here",
-                "back it up with the data base's own tools",
-            )
+            self.move_to(f"sqlite:///{target}")
+            return
         pooled = self._engine.raw_connection()
         try:
             source: Any = pooled.driver_connection

@@ -1,4 +1,4 @@
-"""Opens the data base: SQLite tuned for one server and many threads, brought to the newest migration."""
+"""Opens the data base, SQLite or PostgreSQL, and brings it to the newest migration."""
 
 from __future__ import annotations
 
@@ -9,14 +9,18 @@ from alembic import command
 from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, Engine, create_engine, event
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
+from sqlalchemy.exc import ArgumentError, DBAPIError
 
 from sessions.errors import Refused
 
 BUSY_MS = 5000
+CONNECT_S = 5
+STATEMENT_MS = 30_000
 WRITING = {"writing": True}
-"""Execution option of transactions that write: they take SQLite's write lock at once, not half-way."""
+"""Execution option of transactions that write: they take the write lock at once, not half-way."""
+_WRITE_LOCK = 0x72656861
+"""Number of PostgreSQL's advisory lock that every writer of a clinic takes, as SQLite's writers do."""
 
 
 def open_engine(url: str) -> Engine:
@@ -28,23 +32,72 @@ def open_engine(url: str) -> Engine:
     Raises:
         Refused: The file is no data base, cannot be written, or was made by a newer version.
     """
-    engine = create_engine(url)
-    if engine.dialect.name == "sqlite":
-        event.listen(engine, "connect", _tune_sqlite)
-        event.listen(engine, "begin", _begin_sqlite)
+    engine = _engine(_address(url))
     try:
         _migrate(engine)
     except DBAPIError as error:
         engine.dispose()
-        raise Refused(
-            "clinic data base",
-            f"not usable ({error.orig})",
-            "a data base that can be written and that is the clinic's own",
-            "choose another folder with --data, or restore a backup",
-        ) from error
+        raise unusable(engine.dialect.name, error) from error
     except Refused:
         engine.dispose()
         raise
+    return engine
+
+
+def unusable(engine: str, error: DBAPIError) -> Refused:
+    """Why the data base cannot be used, in one sentence.
+
+    Args:
+        engine: Name of the engine.
+        error: What it said.
+    """
+    said = " ".join(str(error.orig).split()) or type(error.orig).__name__
+    if engine == "sqlite":
+        return Refused(
+            "clinic data base",
+            f"not usable ({said})",
+            "a data base that can be written and that is the clinic's own",
+            "choose another folder with --data, or restore a backup",
+        )
+    return Refused(
+        "clinic data base",
+        f"not answering ({said[:300]})",
+        "a PostgreSQL server that can be reached and signed in to",
+        "check the server, the network and catalogue_url, and try again: nothing was half written",
+    )
+
+
+def _address(url: str) -> URL:
+    try:
+        parsed = make_url(url)
+    except ArgumentError as error:
+        raise _no_address(repr(url.partition(":")[0][:20])) from error
+    if parsed.drivername not in ("sqlite", "postgresql", "postgresql+psycopg"):
+        raise _no_address(repr(parsed.drivername[:20]))
+    return parsed.set(drivername="postgresql+psycopg") if parsed.drivername == "postgresql" else parsed
+
+
+def _no_address(kind: str) -> Refused:
+    bound = "sqlite:///FILE or postgresql://USER:PASSWORD@HOST/NAME"
+    return Refused("catalogue_url", f"of kind {kind}", bound, "correct it, or leave it out")
+
+
+def _engine(address: URL) -> Engine:
+    if address.get_backend_name() == "sqlite":
+        engine = create_engine(address)
+        event.listen(engine, "connect", _tune_sqlite)
+        event.listen(engine, "begin", _begin_sqlite)
+        return engine
+    options = f"-c statement_timeout={STATEMENT_MS} -c lock_timeout={STATEMENT_MS}"
+    asked = {"connect_timeout": CONNECT_S, "options": options}
+    try:
+        engine = create_engine(address, pool_pre_ping=True, connect_args=asked)
+    except ModuleNotFoundError as error:
+        extra = "the extra 'postgres'"
+        raise Refused(
+            "PostgreSQL", "without its driver", extra, "pip install 'rehab-app[postgres]'"
+        ) from error
+    event.listen(engine, "begin", _begin_postgresql)
     return engine
 
 
@@ -62,6 +115,12 @@ def _tune_sqlite(connection: Any, _record: object) -> None:
 def _begin_sqlite(connection: Connection) -> None:
     writing = connection.get_execution_options().get("writing", False)
     connection.exec_driver_sql("BEGIN IMMEDIATE" if writing else "BEGIN")
+
+
+def _begin_postgresql(connection: Connection) -> None:
+    """One writer at a time: numbers, versions and the audit chain are read and written in one transaction."""
+    if connection.get_execution_options().get("writing", False):
+        connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_WRITE_LOCK})")
 
 
 def _migrate(engine: Engine) -> None:
@@ -82,5 +141,7 @@ def _migrate(engine: Engine) -> None:
                 "open it with a newer rehab-app",
             )
         with engine.execution_options(**WRITING).begin() as connection:
+            if MigrationContext.configure(connection).get_current_revision() == head:
+                return  # another station was first
             config.attributes["connection"] = connection
             command.upgrade(config, "head")

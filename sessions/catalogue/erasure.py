@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +24,9 @@ from sessions.catalogue.tables import (
 
 UNFINISHED = "erasure"
 """Key of the setting that lists the files of erased patients until they are deleted."""
+
+OWN_PATIENT = "own-patient:"
+"""Begins the key of a setting, with an account's number: JSON of whose screen it is, "" for nobody's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,3 +180,6 @@ def _erase_rows(session: Session, patient: str, found: Belongings) -> None:
     session.execute(update(TherapySessionRow).where(TherapySessionRow.take.in_(ids)).values(take=None))
     session.execute(delete(TakeRow).where(TakeRow.id.in_(ids)))
     session.execute(update(TakeRow).where(TakeRow.id.in_(found.shared_takes)).values(subject_id="erased"))
+    # emptied, not deleted: without this version an older one, of another patient, would count again
+    tie = SettingRow.key.startswith(OWN_PATIENT), SettingRow.content == json.dumps(patient)
+    session.execute(update(SettingRow).where(*tie).values(content=json.dumps("")))

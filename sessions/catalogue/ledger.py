@@ -7,9 +7,10 @@ from collections.abc import Callable, Generator
 from contextlib import contextmanager
 
 from sqlalchemy import Engine
+from sqlalchemy.exc import OperationalError
 from sqlalchemy.orm import Session
 
-from sessions.catalogue.engine import WRITING
+from sessions.catalogue.engine import WRITING, unusable
 
 
 class Ledger:
@@ -27,11 +28,23 @@ class Ledger:
 
     @contextmanager
     def _reading(self) -> Generator[Session]:
-        with Session(self._engine) as session:
+        with self._answering(), Session(self._engine) as session:
             yield session
 
     @contextmanager
     def _writing(self) -> Generator[Session]:
         """One transaction: all of it or nothing."""
-        with Session(self._for_writing) as session, session.begin():
+        with self._answering(), Session(self._for_writing) as session, session.begin():
             yield session
+
+    @contextmanager
+    def _answering(self) -> Generator[None]:
+        """A data base that is gone, full or busy for too long is told in one sentence.
+
+        Raises:
+            Refused: It does not answer; nothing of the transaction was written.
+        """
+        try:
+            yield
+        except OperationalError as error:
+            raise unusable(self._engine.dialect.name, error) from error

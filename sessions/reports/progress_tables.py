@@ -56,7 +56,7 @@ def _by_mode(progress: Progress) -> list[tuple[Progress, str]]:
         return [(progress, "")]
     return [
         (
-            replace(progress, pasts=tuple(past for past in progress.pasts if frozenset(past.modes) == of_mode)),
+            replace(progress, pasts=tuple(one for one in progress.pasts if frozenset(one.modes) == of_mode)),
             f"{' and '.join(sorted(of_mode)) or 'unknown'} mode",
         )
         for of_mode in dict.fromkeys(frozenset(one) for one in modes)

@@ -24,8 +24,12 @@ from sessions.catalogue import (
     User,
 )
 from sessions.errors import Refused
+from tests.postgres_server import server
 
-URLS: dict[str, Callable[[Path], str]] = {"sqlite": lambda folder: f"sqlite:///{folder / 'clinic.sqlite3'}"}
+URLS: dict[str, Callable[[Path], str]] = {
+    "sqlite": lambda folder: f"sqlite:///{folder / 'clinic.sqlite3'}",
+    "postgresql": lambda _: server().fresh(),
+}
 
 
 def sha(word: str) -> str:
