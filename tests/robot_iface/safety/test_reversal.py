@@ -236,6 +236,24 @@ def test_everything_else_goes_on_being_watched(rigid: Any, watch: Any, state: Sa
     assert not any(outcome.reversed for outcome in rig.outcomes)
 
 
+@pytest.mark.parametrize(
+    ("watch", "state"),
+    [
+        ({"pain": True}, SafetyState.HOLD),
+        ({"heartbeat_age_ns": 10**9}, SafetyState.CAT1),
+        ({"overruns_in_row": 4}, SafetyState.CAT0),
+    ],
+)
+def test_nothing_but_a_load_is_gone_back_on(rigid: Any, watch: Any, state: SafetyState) -> None:
+    """The load has not lasted long enough to count when something else goes wrong: that alone decides."""
+    rig = gliding(rigid)
+    load(rig, -1.2)
+    rig.run(5)
+    assert not rig.causes()
+    assert rig.run(1, **watch).safety_state is state
+    assert not any(outcome.reversing for outcome in rig.outcomes)
+
+
 def test_a_stop_and_a_finish_end_it(rigid: Any) -> None:
     for end in ("stop", "finish"):
         rig = gliding(rigid)
