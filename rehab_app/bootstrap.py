@@ -78,10 +78,13 @@ def _clinic(wiring: Wiring, lease: ServerLease | None) -> Clinic:
         progress=later(lambda: wiring.progress),
         proposals=later(lambda: wiring.proposals),
         repeatability=later(lambda: wiring.repeatability),
+        recompute=later(lambda: wiring.recompute),
+        norms=later(lambda: wiring.norms),
         privacy=later(lambda: wiring.privacy),
         live=later(lambda: wiring.live),
         runner=later(lambda: wiring.runner),
         interrupted=later(lambda: wiring.interrupted),
+        uploads=later(lambda: wiring.uploads),
         lease=lease,
         closing=wiring.closing,
     )

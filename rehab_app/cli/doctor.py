@@ -15,6 +15,7 @@ from pathlib import Path
 from rehab_app.bootstrap import check_port
 from rehab_app.config import KEYS, ClinicFolder, load_settings
 from rehab_app.errors import Refused
+from rehab_app.services.object_queue import ErrandQueue
 from robot_iface.build import real_device_advice
 from sessions.store import partials
 
@@ -60,6 +61,7 @@ def examine(folder: ClinicFolder, port: int) -> tuple[Finding, ...]:
         _port(port),
         _settings(folder),
         *_unsealed(folder),
+        *_object_store(folder),
         *_real_hand(),
     )
 
@@ -156,6 +158,16 @@ def _settings(folder: ClinicFolder) -> Finding:
         found = f"{file} holds {', '.join(kept)}, and others may read it"
         return Finding("settings", False, found, "let only its owner read it: chmod 600")
     return Finding("settings", True, f"{file} is in order")
+
+
+def _object_store(folder: ClinicFolder) -> Iterator[Finding]:
+    """What waits for the object store, and why; nothing where nothing waits."""
+    queue = ErrandQueue(folder.root)
+    waiting, trouble = len(queue.waiting()), queue.trouble()
+    if waiting or trouble:
+        found = f"{waiting} recordings or deletions wait. {trouble}".strip()
+        remedy = "rehab-app store push tries again now" if trouble else ""
+        yield Finding("object store", not trouble, found, remedy, {"waiting": float(waiting)})
 
 
 def _real_hand() -> Iterator[Finding]:

@@ -16,6 +16,9 @@ patient = typer.Typer(cls=Commands, help="Patients of the clinic.", no_args_is_h
 user = typer.Typer(cls=Commands, help="Accounts of the clinic.", no_args_is_help=True)
 _ROLES = "administrator, therapist, assistant, patient or auditor."
 Name: TypeAlias = Annotated[str, typer.Argument(metavar="NAME", help="Sign-in name.")]
+OwnPatient: TypeAlias = Annotated[
+    str, typer.Option("--patient", help="Whose screen it is, by pseudonym; with the role patient.")
+]
 
 
 @patient.command("add")
@@ -37,6 +40,7 @@ def add_patient(
 
     output = Output(json)
     with open_clinic(data) as clinic:
+        alike = clinic.patients.namesakes(given, family, birth_date)
         added = clinic.patients.add(
             CONSOLE,
             given_name=given,
@@ -46,8 +50,11 @@ def add_patient(
             hand_length_m=hand_length,
             impairment=impairment,
         )
+    if alike:
+        names = ", ".join(one.id for one in alike)
+        output.say(f"Warning: same name or birth date as {names}: make sure that they are different persons.")
     output.say(f"Patient {added.id} is added.")
-    output.result(asdict(added))
+    output.result({**asdict(added), "namesakes": [one.id for one in alike]})
 
 
 @patient.command("list")
@@ -67,6 +74,7 @@ def list_patients(data: Data = None, json: Json = False) -> None:
 def add_user(
     name: Name,
     role: Annotated[str, typer.Option("--role", help=_ROLES)] = "therapist",
+    patient: OwnPatient = "",
     data: Data = None,
     json: Json = False,
 ) -> None:
@@ -77,9 +85,10 @@ def add_user(
     output = Output(json)
     password = _password()
     with open_clinic(data) as clinic:
-        account = clinic.accounts.add_user(name, role, password, CONSOLE)
-    output.say(f"{account.name} may sign in as {account.role}.")
-    output.result({"name": account.name, "role": account.role})
+        account = clinic.accounts.add_user(name, role, password, CONSOLE, patient)
+        screen = clinic.accounts.own_patients.of(account)
+    output.say(f"{account.name} may sign in as {account.role}{f', screen of {screen}' if screen else ''}.")
+    output.result({"name": account.name, "role": account.role, "patient": screen})
 
 
 @user.command("list")
@@ -91,27 +100,31 @@ def list_users(data: Data = None, json: Json = False) -> None:
     output = Output(json)
     with open_clinic(data) as clinic:
         accounts = clinic.accounts.list(CONSOLE)
-    for account in accounts:
-        output.say(f"{account.name}  {account.role}")
-    output.result({"users": [{"name": account.name, "role": account.role} for account in accounts]})
+        rows = [(one.name, one.role, clinic.accounts.own_patients.of(one)) for one in accounts]
+    for row in rows:
+        output.say("  ".join(part for part in row if part))
+    output.result({"users": [{"name": name, "role": role, "patient": own} for name, role, own in rows]})
 
 
 @user.command("role")
 def change_role(
     name: Name,
     role: Annotated[str, typer.Argument(metavar="ROLE", help=_ROLES)],
+    patient: OwnPatient = "",
     data: Data = None,
     json: Json = False,
 ) -> None:
-    """Give an account another role; it is signed out everywhere."""
+    """Give an account another role, or another patient; it is signed out everywhere."""
     from rehab_app.access import CONSOLE
     from rehab_app.bootstrap import open_clinic
 
     output = Output(json)
     with open_clinic(data) as clinic:
-        account = clinic.accounts.change_role(name, role, CONSOLE)
-    output.say(f"{account.name} is {account.role} now and signs in again.")
-    output.result({"name": account.name, "role": account.role})
+        account = clinic.accounts.change_role(name, role, CONSOLE, patient)
+        screen = clinic.accounts.own_patients.of(account)
+    whose = f", screen of {screen}," if screen else ""
+    output.say(f"{account.name} is {account.role}{whose} now and signs in again.")
+    output.result({"name": account.name, "role": account.role, "patient": screen})
 
 
 @user.command("password")

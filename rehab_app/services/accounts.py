@@ -10,6 +10,7 @@ from rehab_app.access import CONSOLE, Account, RateLimit, Verb, hash_password, r
 from rehab_app.access.roles import role_named
 from rehab_app.errors import Refused
 from rehab_app.services.audit import Audit
+from rehab_app.services.own_patients import OwnPatients
 from rehab_app.services.sign_ins import SignIns
 from sessions.catalogue import Catalogue, User
 
@@ -28,6 +29,7 @@ class Accounts:
 
     Attributes:
         sign_ins: Their sign-ins.
+        own_patients: Whose screen an account of the role patient is.
     """
 
     def __init__(self, catalogue: Catalogue, audit: Audit) -> None:
@@ -37,6 +39,7 @@ class Accounts:
         self._decoy = ""
         self._changing = threading.Lock()  # two administrators must not demote each other at one moment
         self.sign_ins = SignIns(catalogue)
+        self.own_patients = OwnPatients(catalogue, audit)
 
     def set_up_needed(self) -> bool:
         """Whether nobody has an account yet, so that the first one becomes the administrator."""
@@ -107,21 +110,24 @@ class Accounts:
             )
         return self.account(name.strip())
 
-    def add_user(self, name: str, role: str, password: str, actor: Account) -> Account:
-        """Make an account.
+    def add_user(self, name: str, role: str, password: str, actor: Account, patient: str = "") -> Account:
+        """Make an account; with the role patient it may be one patient's screen, by pseudonym.
 
         Raises:
-            Refused: The actor may not, the name is taken or empty, the password too short, the role unknown.
+            Refused: The actor may not, the name is taken or empty, the password too short, the role unknown,
+                or the patient is unknown or given with another role.
         """
         require(actor, "manage_users")
         kept = _name(name)
         known = role_named(role)
+        own = self.own_patients.check(known, patient)
         taken = next((one.name for one in self._catalogue.users() if _same(one.name, kept)), None)
         if taken is not None:
             raise Refused(f"user {kept}", f"already there as {taken}", "a new name", "choose another name")
         hashed = hash_password(password)
         user = self._catalogue.add_user(User(name=kept, role=known, password_hash=hashed))
         self._audit.note(actor, "add user", user.name, known)
+        self.own_patients.tie(_account(user), own, actor)
         return _account(user)
 
     def list(self, actor: Account) -> tuple[Account, ...]:
@@ -142,19 +148,22 @@ class Accounts:
         require(actor, "manage_users")
         return tuple(user.name for user in self._catalogue.users() if not user.active)
 
-    def change_role(self, name: str, role: str, actor: Account) -> Account:
-        """Give an account another role; it is signed out everywhere.
+    def change_role(self, name: str, role: str, actor: Account, patient: str = "") -> Account:
+        """Give an account another role, or another patient; it is signed out everywhere.
 
         Raises:
-            Refused: The actor may not, account or role are unknown, or it is the last administrator.
+            Refused: The actor may not, account, role or patient are unknown, the patient is given with
+                another role, or it is the last administrator.
         """
         require(actor, "manage_users")
         known = role_named(role)
+        own = self.own_patients.check(known, patient)
         with self._changing:
             user = self._active(name)
             if known != _ADMINISTRATOR:
                 self._keep_one_administrator(user)
             changed = self._catalogue.change_user(replace(user, role=known))
+            self.own_patients.tie(_account(changed), own, actor)
         self.sign_ins.end_all(user.name)
         self._audit.note(actor, "change role", user.name, f"{user.role} to {known}")
         return _account(changed)

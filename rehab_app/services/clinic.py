@@ -30,10 +30,12 @@ if TYPE_CHECKING:
     from rehab_app.services.outcomes import Outcomes
     from rehab_app.services.patients import Patients
     from rehab_app.services.plans import Plans
+    from rehab_app.services.population_norms import Norms
     from rehab_app.services.privacy import Privacy
     from rehab_app.services.progress import ProgressReports
     from rehab_app.services.proposals import Proposals
     from rehab_app.services.protocols import Protocols
+    from rehab_app.services.recompute import Recompute
     from rehab_app.services.repeatability import Repeatability
     from rehab_app.services.reports import Reports
     from rehab_app.services.retouching import Retouching
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
     from rehab_app.services.sessions import Sessions
     from rehab_app.services.takes import Takes
     from rehab_app.services.therapy import Therapy
+    from rehab_app.services.uploads import Uploads
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,10 +80,13 @@ class Clinic:
         progress: Progress over sessions, comparisons.
         proposals: The next step, made of the last sessions.
         repeatability: How repeatable the numbers of this set-up are.
+        recompute: Measures again what was recorded.
+        norms: What is usual among this clinic's patients.
         privacy: Backups, erasure, export, retention, consent.
         live: The live state machine.
         runner: Leads through a session.
         interrupted: Recordings that an ended server left unsealed.
+        uploads: The object store that takes sealed recordings.
         lease: The one server's lease, None where this is no server.
         closing: Ends the live work, where there is any.
     """
@@ -114,10 +120,13 @@ class Clinic:
     progress: ProgressReports
     proposals: Proposals
     repeatability: Repeatability
+    recompute: Recompute
+    norms: Norms
     privacy: Privacy
     live: LiveDesk
     runner: SessionRunner
     interrupted: Interrupted
+    uploads: Uploads
     lease: ServerLease | None = None
     closing: ExitStack = field(default_factory=ExitStack)
 

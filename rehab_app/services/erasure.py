@@ -12,8 +12,12 @@ from rehab_app.errors import Refused
 from rehab_app.services import storage
 from rehab_app.services.audit import Audit
 from rehab_app.services.erased_ledger import LEDGER, add_to_ledger, ledger, line_of
+from rehab_app.services.object_queue import withdraw
 from sessions.catalogue import Catalogue, Setting
 from sessions.catalogue.erasure import UNFINISHED, Belongings
+
+OBJECT = "object:"
+"""Begins what is left to delete in an object store: room and digest."""
 
 
 class Erasures:
@@ -64,7 +68,9 @@ class Erasures:
         found = self._catalogue.belongings(patient_id)
         add_to_ledger(self._folder.root / LEDGER, (line_of(found.patient, found.created_utc_ns),))
         paths = [path for path, _ in (*found.sessions, *found.takes)]
-        self._catalogue.erase_patient(patient_id, msgspec.json.encode(paths).decode(), actor.name)
+        left = [*paths, *(f"{OBJECT}sessions/{sha256}" for _, sha256 in found.sessions)]
+        left += [f"{OBJECT}takes/{sha256}" for _, sha256 in found.takes]
+        self._catalogue.erase_patient(patient_id, msgspec.json.encode(left).decode(), actor.name)
         self.finish()
         self._audit.note(actor, "erase patient", patient_id, f"{len(paths)} files")
         return found
@@ -75,7 +81,10 @@ class Erasures:
         if kept is None or kept.content == "[]":
             return
         for path in msgspec.json.decode(kept.content, type=list[str]):
-            self._delete(self._folder.root / path)
+            if path.startswith(OBJECT):
+                withdraw(self._folder.root, path.removeprefix(OBJECT))
+            else:
+                self._delete(self._folder.root / path)
         self._catalogue.set(Setting(key=UNFINISHED, content="[]", by=kept.by))
 
     def erase_again(self, actor: Account, *beside: Path) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, TypeAlias, cast
+from typing import Literal, TypeAlias
 
 Act: TypeAlias = Literal["put", "delete"]
 Kind: TypeAlias = Literal["sessions", "takes"]
@@ -14,6 +14,7 @@ _KINDS: tuple[Kind, ...] = ("sessions", "takes")
 _SHA256_LETTERS = 64
 _PRIVATE = 0o700
 _STORED = "stored.txt"
+_TROUBLE = "trouble.txt"
 FOLDER = "uploads"
 
 
@@ -44,10 +45,13 @@ class ErrandQueue:
 
     Args:
         root: The clinic folder.
+
+    Attributes:
+        folder: Where they lie; made with the first.
     """
 
     def __init__(self, root: Path) -> None:
-        self._folder = root / FOLDER
+        self.folder = root / FOLDER
 
     def add(self, errand: Errand) -> None:
         """Keep an errand; it is on the disk when this returns, and twice is once.
@@ -55,35 +59,56 @@ class ErrandQueue:
         Raises:
             OSError: The disk refuses.
         """
-        self._folder.mkdir(mode=_PRIVATE, exist_ok=True)
-        target = self._folder / errand.name
+        self.folder.mkdir(mode=_PRIVATE, exist_ok=True)
+        target = self.folder / errand.name
         working = target.with_name(f".{errand.name}.{os.getpid()}")
         with working.open("w", encoding="utf-8") as file:
             file.write(errand.path)
             file.flush()
             os.fsync(file.fileno())
         working.replace(target)
-        _settle(self._folder)
+        _settle(self.folder)
 
     def holds(self, errand: Errand) -> bool:
         """Whether an errand still waits."""
-        return (self._folder / errand.name).exists()
+        return (self.folder / errand.name).exists()
 
     def remove(self, errand: Errand) -> None:
         """An errand is done; removing it twice does no harm."""
-        (self._folder / errand.name).unlink(missing_ok=True)
+        (self.folder / errand.name).unlink(missing_ok=True)
 
     def waiting(self) -> tuple[Errand, ...]:
         """All errands, deletions first."""
-        if not self._folder.is_dir():
+        if not self.folder.is_dir():
             return ()
-        found = (self._read(name) for name in sorted(os.listdir(self._folder)))
+        found = (self._read(name) for name in sorted(os.listdir(self.folder)))
         return tuple(errand for errand in found if errand is not None)
 
     def lock_path(self) -> Path:
         """File whose lock the one holds that works the errands off."""
-        self._folder.mkdir(mode=_PRIVATE, exist_ok=True)
-        return self._folder / ".lock"
+        self.folder.mkdir(mode=_PRIVATE, exist_ok=True)
+        return self.folder / ".lock"
+
+    def trouble(self) -> str:
+        """Why the last pass did not finish, "" where it did."""
+        try:
+            return (self.folder / _TROUBLE).read_text(encoding="utf-8")
+        except FileNotFoundError:
+            return ""
+
+    def keep_trouble(self, sentence: str) -> None:
+        """Keep why a pass did not finish; "" once one did.
+
+        Raises:
+            OSError: The disk refuses.
+        """
+        path = self.folder / _TROUBLE
+        if not sentence:
+            path.unlink(missing_ok=True)
+            return
+        working = path.with_name(f".{_TROUBLE}.{os.getpid()}")
+        working.write_text(sentence, encoding="utf-8")
+        working.replace(path)
 
     def _read(self, name: str) -> Errand | None:
         act, _, rest = name.partition("-")
@@ -91,10 +116,10 @@ class ErrandQueue:
         if act not in _ACTS or kind not in _KINDS or len(sha256) != _SHA256_LETTERS:
             return None
         try:
-            path = (self._folder / name).read_text(encoding="utf-8")
+            path = (self.folder / name).read_text(encoding="utf-8")
         except FileNotFoundError:
             return None
-        return Errand(cast(Act, act), cast(Kind, kind), sha256, path)
+        return Errand(act, kind, sha256, path)
 
 
 class StoredMarks:
@@ -156,6 +181,26 @@ class StoredMarks:
                 elif line.startswith("-"):
                     self._marks.discard(line[1:])
         return self._marks
+
+
+def withdraw(root: Path, named: str) -> None:
+    """A patient was erased: whatever an object store holds of a file will be deleted.
+
+    A clinic that never used an object store has no folder of errands, and none is made.
+
+    Args:
+        root: The clinic folder.
+        named: Room and digest of the file, with a slash between.
+
+    Raises:
+        OSError: The disk refuses.
+    """
+    queue = ErrandQueue(root)
+    kind, _, sha256 = named.partition("/")
+    if not queue.folder.is_dir() or kind not in _KINDS:
+        return
+    queue.add(Errand("delete", kind, sha256))
+    queue.remove(Errand("put", kind, sha256))
 
 
 def _settle(folder: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,13 +40,19 @@ class Sealed:
         return Errand(act, self.kind, self.sha256, f"{self.kind}/{self.path.name}" if act == "put" else "")
 
 
-def sealed_files(folder: ClinicFolder, catalogue: Catalogue, besides: Collection[Path]) -> Iterator[Sealed]:
+def sealed_files(
+    folder: ClinicFolder,
+    catalogue: Catalogue,
+    besides: Collection[Path] = frozenset(),
+    settled: Callable[[Kind, str], bool] = lambda kind, sha256: False,
+) -> Iterator[Sealed]:
     """Sealed files on the disk that the catalogue knows.
 
     Args:
         folder: The clinic folder.
         catalogue: Its catalogue.
         besides: Paths that are passed over, without a look into them.
+        settled: Whether a room and digest are passed over, without a question to the catalogue.
     """
     rooms: tuple[tuple[Kind, Path], ...] = (("sessions", folder.sessions), ("takes", folder.takes))
     for kind, room in rooms:
@@ -56,7 +62,7 @@ def sealed_files(folder: ClinicFolder, catalogue: Catalogue, besides: Collection
                 continue
             if path in besides:
                 continue
-            known = _known(catalogue, kind, path)
+            known = _known(catalogue, kind, path, settled)
             if known is not None:
                 yield known
 
@@ -86,12 +92,14 @@ def sealed_named(folder: ClinicFolder, catalogue: Catalogue, named: str) -> Seal
     return Sealed("takes", take.sha256, folder.root / take.path)
 
 
-def _known(catalogue: Catalogue, kind: Kind, path: Path) -> Sealed | None:
+def _known(
+    catalogue: Catalogue, kind: Kind, path: Path, settled: Callable[[Kind, str], bool]
+) -> Sealed | None:
     """A file with its digest as it was noted at sealing, None where the catalogue does not have it."""
     try:
         with refusing(path):
             sha256 = noted_digest(path)
-        if sha256 is None:
+        if sha256 is None or settled(kind, sha256):
             return None
         held = catalogue.session(sha256) if kind == "sessions" else catalogue.take(sha256)
     except Refused:

@@ -14,15 +14,16 @@ from rehab_app.errors import Refused
 from rehab_app.services.aside import aside
 from rehab_app.services.audit import Audit
 from rehab_app.services.journal import Journal
+from rehab_app.services.kept_numbers import KeptNumbers
 from rehab_app.services.outcomes import Outcomes
-from rehab_app.services.passive_runs import key_of, passive_runs
 from rehab_app.services.plans import Plans
 from rehab_app.services.progress_assessed import assessed_ranges, assessed_tones, score_of
 from rehab_app.services.protocol_records import ProtocolRecords
+from rehab_app.services.recompute_work import measured_all
 from rehab_app.services.reports import write_whole
 from sessions.catalogue import Catalogue, Patient, TherapySession
 from sessions.reports import installed_version
-from sessions.reports.past import Past, measure_past, past_from_json, past_to_json, past_version
+from sessions.reports.past import Past
 from sessions.reports.progress import LeftOut, Progress
 from sessions.reports.progress_formats import PROGRESS_FORMATS, render_progress
 
@@ -83,6 +84,7 @@ class ProgressReports:
     ) -> None:
         self._folder = folder
         self._catalogue = catalogue
+        self._numbers = KeptNumbers(folder, catalogue)
         self._audit = audit
         self._notebook = notebook
         self._serving = serving
@@ -213,32 +215,16 @@ class ProgressReports:
         self, rows: Sequence[TherapySession], say: Callable[[str], None] | None
     ) -> dict[str, Past | str]:
         """What is known of each file by its digest: its numbers, or why there are none."""
-        runs = self._runs(rows)
-        version = past_version()
-        keys = {row.sha256: key_of(version, runs[row.sha256]) for row in rows}
-        found: dict[str, Past | str] = {}
-        for key in dict.fromkeys(keys.values()):
-            kept = self._catalogue.kept_metrics([digest for digest in keys if keys[digest] == key], key)
-            found |= {digest: past_from_json(text) for digest, text in kept.items()}
-        missing = [row for row in rows if row.sha256 not in found]
+        works = self._numbers.works(rows)
+        found: dict[str, Past | str] = dict(self._numbers.pasts(works))
+        missing = [work for work in works if work.sha256 not in found]
         for start in range(0, len(missing), _AT_ONCE):
             part = missing[start : start + _AT_ONCE]
             if say is not None:
                 say(f"Measuring sessions {start + 1} to {start + len(part)} of {len(missing)}.")
-            root = self._folder.root
-            paths = [(root / row.path, [root / run.path for run in runs[row.sha256]]) for row in part]
-            measured = aside(_measured, paths) if self._serving else _measured(paths)
-            for row, answer in zip(part, measured, strict=True):
-                found[row.sha256] = answer
-                if isinstance(answer, Past) and answer.sha256 == row.sha256:
-                    self._catalogue.keep_metrics(row.sha256, keys[row.sha256], past_to_json(answer))
+            answers = aside(measured_all, part) if self._serving else measured_all(part)
+            found |= {answer.work.sha256: self._numbers.keep(answer) for answer in answers}
         return found
-
-    def _runs(self, rows: Sequence[TherapySession]) -> dict[str, tuple[TherapySession, ...]]:
-        """Passive runs of the same day by a session's digest."""
-        patients = dict.fromkeys(row.patient for row in rows if row.patient)
-        others = {patient: self._catalogue.sessions(patient) for patient in patients}
-        return {row.sha256: passive_runs(row, others.get(row.patient, ())) for row in rows}
 
     def _sorted(
         self, patient: Patient, rows: Sequence[TherapySession], found: dict[str, Past | str]
@@ -252,17 +238,6 @@ class ProgressReports:
             else:
                 left_out.append(LeftOut(row.id, row.started_utc_ns, reason))
         return tuple(pasts), tuple(left_out)
-
-
-def _measured(paths: Sequence[tuple[Path, Sequence[Path]]]) -> list[Past | str]:
-    """The past of each file beside the day's passive runs, or why it cannot be read."""
-    answers: list[Past | str] = []
-    for path, passive in paths:
-        try:
-            answers.append(measure_past(path, passive))
-        except Refused as refusal:
-            answers.append(str(refusal))
-    return answers
 
 
 def _unfit(past: Past, patient: Patient, row: TherapySession) -> str:

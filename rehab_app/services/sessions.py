@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from rehab_app.config import ClinicFolder
 from rehab_app.errors import Refused
 from rehab_app.services import storage
+from rehab_app.services.object_rooms import Sealed, sealed_named
 from rehab_app.services.replay import replay_of
 from rehab_app.services.rows import Replay, SessionRow
 from sessions.catalogue import Catalogue, TherapySession
@@ -18,11 +20,15 @@ class Sessions:
     Args:
         folder: The clinic folder.
         catalogue: Its catalogue.
+        bring: Brings a file back that lies in the object store only; None where there is none.
     """
 
-    def __init__(self, folder: ClinicFolder, catalogue: Catalogue) -> None:
+    def __init__(
+        self, folder: ClinicFolder, catalogue: Catalogue, bring: Callable[[Sealed], None] | None = None
+    ) -> None:
         self._folder = folder
         self._catalogue = catalogue
+        self._bring = bring
 
     def list(self) -> tuple[SessionRow, ...]:
         """All sessions, newest first."""
@@ -37,24 +43,17 @@ class Sessions:
         return self._row(self._catalogue.session(session))
 
     def path(self, named: str | Path) -> Path:
-        """File of a session or take, by path or catalogue id.
+        """File of a session or take, by path or catalogue id; brought back where only the store has it.
 
         Raises:
-            Refused: There is no such session or take.
+            Refused: There is no such session or take, or the object store does not give it back.
         """
         if storage.is_path(named):
             return Path(named)
-        for find in (self._catalogue.session, self._catalogue.take):
-            try:
-                return self._folder.root / find(str(named)).path
-            except Refused:
-                continue
-        raise Refused(
-            f"session or take {str(named)!r}",
-            "unknown",
-            f"the id of a session or take in {self._folder.root}, or a path",
-            "check the id, or name the clinic folder with --data",
-        )
+        found = self._found(str(named))
+        if self._bring is not None and not found.path.exists():
+            self._bring(found)
+        return found.path
 
     def replay(self, named: str | Path) -> Replay:
         """A session or take for the review viewport, at about 50 Hz.
@@ -63,6 +62,17 @@ class Sessions:
             Refused: There is no such session or take, or its file is damaged.
         """
         return replay_of(self.path(named))
+
+    def _found(self, named: str) -> Sealed:
+        try:
+            return sealed_named(self._folder, self._catalogue, named)
+        except Refused:
+            raise Refused(
+                f"session or take {named!r}",
+                "unknown",
+                f"the id of a session or take in {self._folder.root}, or a path",
+                "check the id, or name the clinic folder with --data",
+            ) from None
 
     def _row(self, session: TherapySession) -> SessionRow:
         return SessionRow(

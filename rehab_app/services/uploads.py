@@ -5,42 +5,25 @@ from __future__ import annotations
 import fcntl
 import os
 import time
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from rehab_app.access import Account, require
-from rehab_app.config import ClinicFolder, StoreSettings, secret_key
+from rehab_app.config import ClinicFolder, StoreSettings
 from rehab_app.errors import Refused
-from rehab_app.services import storage
 from rehab_app.services.audit import Audit
-from rehab_app.services.object_queue import Errand, ErrandQueue, Kind, StoredMarks
+from rehab_app.services.object_courier import Courier, Pushed
+from rehab_app.services.object_opening import open_store
+from rehab_app.services.object_queue import ErrandQueue, StoredMarks
 from rehab_app.services.object_rooms import Sealed, sealed_files, sealed_named
 from sessions.catalogue import Catalogue
 from sessions.store import SessionReader
 from sessions.store.object_source import fetch_object, open_object
-from sessions.store.object_store import ObjectPlace, ObjectStore
-from sessions.store.object_trouble import Absent, Unreachable
+from sessions.store.object_store import ObjectStore
 
 _DAY_S = 86_400.0
-
-
-@dataclass(frozen=True, slots=True)
-class Pushed:
-    """What one pass did.
-
-    Attributes:
-        sent: Files that now lie in the store, proven.
-        deleted: Objects that were deleted.
-        waiting: Errands that are left.
-        refused: Sentences about single files that could not be sent.
-    """
-
-    sent: int
-    deleted: int
-    waiting: int
-    refused: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +71,7 @@ class Uploads:
         self._clock_s = clock_s
         self._queue = ErrandQueue(folder.root)
         self._marks = StoredMarks(folder.root)
+        self._courier = Courier(folder, catalogue, self._queue, self._marks)
         self._seen: set[Path] = set()
         self._open_store: ObjectStore | None = None
 
@@ -105,7 +89,7 @@ class Uploads:
         errands = self._queue.waiting()
         deletions = sum(errand.act == "delete" for errand in errands)
         to_send = len(errands) - deletions
-        return StoreStatus(self._settings.bucket, to_send, deletions, len(self._marks), self._trouble_kept())
+        return StoreStatus(self._settings.bucket, to_send, deletions, len(self._marks), self._queue.trouble())
 
     def gather(self) -> int:
         """Queue every sealed file of the catalogue that the store has not; how many were added.
@@ -118,10 +102,9 @@ class Uploads:
         if not self.configured:
             return 0
         added = 0
-        for found in sealed_files(self._folder, self._catalogue, self._seen):
-            known = self._marks.has(found.kind, found.sha256)
+        for found in sealed_files(self._folder, self._catalogue, self._seen, self._marks.has):
             put, delete = found.errand("put"), found.errand("delete")
-            if not known and not self._queue.holds(put) and not self._queue.holds(delete):
+            if not self._queue.holds(put) and not self._queue.holds(delete):
                 self._queue.add(put)
                 added += 1
             self._seen.add(found.path)
@@ -145,29 +128,17 @@ class Uploads:
         with self._alone():
             self.gather()
             try:
-                done = self._worked_off(store)
+                done = self._courier.work_off(store)
             except Refused as refusal:
-                self._keep_trouble(str(refusal))
+                self._queue.keep_trouble(str(refusal))
                 raise
-            self._keep_trouble(" ".join(done.refused))
+            self._queue.keep_trouble(" ".join(done.refused))
         return done
 
-    def withdraw(self, kind: Kind, sha256: str) -> None:
-        """A patient was erased: whatever the store holds of this file will be deleted.
-
-        Args:
-            kind: Room that the file lay in.
-            sha256: Its digest.
-
-        Raises:
-            OSError: The disk refuses.
-        """
-        if self.configured or self._marks.has(kind, sha256):
-            self._queue.add(Errand("delete", kind, sha256))
-        self._queue.remove(Errand("put", kind, sha256))
-
     def evict(self, actor: Account, older_than_days: float) -> tuple[str, ...]:
-        """Take files off the disk whose objects are proven now, once more; their digests stay.
+        """Take sessions off the disk whose objects are proven now, once more; their digests stay.
+
+        Takes stay: therapy plays them, also without a network.
 
         Args:
             actor: Who does it (verb "backup").
@@ -182,17 +153,14 @@ class Uploads:
         require(actor, "backup")
         store, gone = self._store(), list[str]()
         before_s = self._clock_s() - older_than_days * _DAY_S
-        with self._alone():
-            for found in sealed_files(self._folder, self._catalogue, frozenset()):
-                state = found.path.stat()
-                if state.st_mtime > before_s or not self._marks.has(found.kind, found.sha256):
-                    continue
-                store.prove(store.place.key(found.kind, found.sha256), found.sha256, state.st_size)
-                found.path.unlink()
-                self._seen.discard(found.path)
-                gone.append(found.relative(self._folder.root))
-        if gone:
-            self._audit.note(actor, "store evict", "", f"{len(gone)} files")
+        try:
+            with self._alone():
+                for found in sealed_files(self._folder, self._catalogue):
+                    if found.kind == "sessions" and self._evicted(store, found, before_s):
+                        gone.append(found.relative(self._folder.root))
+        finally:
+            if gone:
+                self._audit.note(actor, "store evict", "", f"{len(gone)} files")
         return tuple(gone)
 
     def fetch(self, actor: Account, named: str) -> Path:
@@ -247,79 +215,25 @@ class Uploads:
         with open_object(store, store.place.key(found.kind, found.sha256), found.path) as reader:
             yield reader
 
-    def _worked_off(self, store: ObjectStore) -> Pushed:
-        sent = deleted = 0
-        refused: list[str] = []
-        for errand in self._queue.waiting():
-            try:
-                if errand.act == "delete":
-                    store.delete(store.place.key(errand.kind, errand.sha256))
-                    self._marks.forget(errand.kind, errand.sha256)
-                    deleted += 1
-                    self._queue.remove(errand)
-                else:
-                    sent += self._sent(store, errand)
-            except (Unreachable, Absent):
-                raise
-            except Refused as refusal:
-                refused.append(str(refusal))
-        return Pushed(sent, deleted, self.waiting(), tuple(refused))
-
-    def _sent(self, store: ObjectStore, errand: Errand) -> int:
-        """Send one file, prove it, and only then strike it off; 1 where it was sent."""
-        if not self._queue.holds(errand):
-            return 0  # withdrawn meanwhile
-        path = self._folder.root / errand.path
-        if not path.exists():
-            return self._dropped(errand)
-        met = storage.digest(path)
-        if met != errand.sha256:
-            raise Refused(
-                f"SHA-256 of {path.name!r}", met, f"{errand.sha256}, as noted", "take the file from a backup"
-            )
-        key, length = store.place.key(errand.kind, errand.sha256), path.stat().st_size
-        store.put(path, key)
-        try:
-            store.prove(key, errand.sha256, length)
-        except (Unreachable, Absent):
-            raise
-        except Refused:
-            store.replace(path, key)  # the file here is proven, so what lies there is not
-            store.prove(key, errand.sha256, length)
-        self._marks.note(errand.kind, errand.sha256)
-        self._queue.remove(errand)
-        return 1
-
-    def _dropped(self, errand: Errand) -> int:
-        """The file is not here: nothing to do where the catalogue does not know it either."""
-        try:
-            sealed_named(self._folder, self._catalogue, errand.sha256)
-        except Refused:
-            self._queue.remove(errand)
-            return 0
-        name = Path(errand.path).name
-        raise Refused(f"file {name!r}", "gone before it was sent", "there", "take it from a backup")
+    def _evicted(self, store: ObjectStore, found: Sealed, before_s: float) -> bool:
+        state = found.path.stat()
+        if state.st_mtime > before_s or not self._marks.has(found.kind, found.sha256):
+            return False
+        store.prove(store.place.key(found.kind, found.sha256), found.sha256, state.st_size)
+        found.path.unlink()
+        self._seen.discard(found.path)
+        return True
 
     def _store(self) -> ObjectStore:
         if not self.configured:
             remedy = "set store.bucket in the settings (rehab-app config)"
             raise Refused("object store", "not set", "a bucket", remedy)
         if self._open_store is None:
-            said = self._settings
-            place = ObjectPlace(
-                bucket=said.bucket,
-                prefix=said.prefix,
-                endpoint=said.endpoint,
-                region=said.region,
-                access_key=said.access_key,
-                secret_key=secret_key(said),
-                timeout_s=said.timeout_s,
-            )
-            self._open_store = ObjectStore(place)
+            self._open_store = open_store(self._settings)
         return self._open_store
 
     @contextmanager
-    def _alone(self) -> Iterator[None]:
+    def _alone(self) -> Generator[None]:
         """One process at a time works errands off; the lock dies with it."""
         descriptor = os.open(self._queue.lock_path(), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
         try:
@@ -333,19 +247,3 @@ class Uploads:
             yield
         finally:
             os.close(descriptor)
-
-    def _trouble(self) -> Path:
-        return self._queue.lock_path().with_name("trouble.txt")
-
-    def _trouble_kept(self) -> str:
-        path = self._trouble()
-        return path.read_text(encoding="utf-8") if path.exists() else ""
-
-    def _keep_trouble(self, sentence: str) -> None:
-        path = self._trouble()
-        if not sentence:
-            path.unlink(missing_ok=True)
-            return
-        working = path.with_name(".trouble.new")
-        working.write_text(sentence, encoding="utf-8")
-        working.replace(path)

@@ -13,11 +13,14 @@ from rehab_app.services.wiring_records import RecordsWiring
 
 if TYPE_CHECKING:
     from rehab_app.services.assessment import Assessment
+    from rehab_app.services.kept_numbers import KeptNumbers
     from rehab_app.services.live import LiveDesk
+    from rehab_app.services.population_norms import Norms
     from rehab_app.services.progress import Notebook, ProgressReports
     from rehab_app.services.proposals import Proposals
     from rehab_app.services.protocol_records import ProtocolRecords
     from rehab_app.services.protocols import Protocols
+    from rehab_app.services.recompute import Recompute
     from rehab_app.services.repeatability import Repeatability
     from rehab_app.services.reports import Reports
     from rehab_app.services.runner import SessionRunner
@@ -122,6 +125,27 @@ class Wiring(RecordsWiring):
         from rehab_app.services.repeatability import Repeatability
 
         return Repeatability(self.catalogue, self.sessions, self.audit)
+
+    @cached_property
+    def numbers(self) -> KeptNumbers:
+        """Numbers of sealed files."""
+        from rehab_app.services.kept_numbers import KeptNumbers
+
+        return KeptNumbers(self.place, self.catalogue)
+
+    @cached_property
+    def recompute(self) -> Recompute:
+        """Measures again what was recorded."""
+        from rehab_app.services.recompute import Recompute
+
+        return Recompute(self.catalogue, self.numbers, self.audit, self.settings.recompute)
+
+    @cached_property
+    def norms(self) -> Norms:
+        """What is usual among this clinic's patients."""
+        from rehab_app.services.population_norms import Norms
+
+        return Norms(self.catalogue, self.numbers, self.audit)
 
     @cached_property
     def proposals(self) -> Proposals:

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from rehab_app.services.retouching import Retouching
     from rehab_app.services.sessions import Sessions
     from rehab_app.services.takes import Takes
+    from rehab_app.services.uploads import Uploads
 
 
 class RecordsWiring:
@@ -180,7 +181,8 @@ class RecordsWiring:
         """Recorded therapy sessions."""
         from rehab_app.services.sessions import Sessions
 
-        return Sessions(self.place, self.catalogue)
+        bring = self.uploads.bring if self.settings.store.bucket else None
+        return Sessions(self.place, self.catalogue, bring)
 
     @cached_property
     def backups(self) -> Backups:
@@ -213,6 +215,13 @@ class RecordsWiring:
             Retention(self.catalogue, self.audit),
             Consents(self.place, self.catalogue, self.takes, self.audit),
         )
+
+    @cached_property
+    def uploads(self) -> Uploads:
+        """The object store that takes sealed recordings."""
+        from rehab_app.services.uploads import Uploads
+
+        return Uploads(self.place, self.catalogue, self.audit, self.settings.store)
 
     @cached_property
     def interrupted(self) -> Interrupted:

@@ -86,6 +86,11 @@ def create_app(
         await run_in_threadpool(site.viewports.close)
 
     meters = Meters(clinic)
+    meters.watch(
+        "rehab_uploads_waiting",
+        "Recordings that wait for the object store.",
+        lambda: float(clinic.uploads.waiting()),
+    )
     app = Starlette(
         routes=_routes(),
         middleware=[Middleware(Telemetry, meters=meters), Middleware(Guard, hosts=own_names(host))],

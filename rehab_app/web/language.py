@@ -52,6 +52,17 @@ def ngettext(one: str, many: str, count: int) -> str:
     return _catalogue(_spoken.get()).ngettext(one, many, count)
 
 
+def written(value: float, digits: int) -> str:
+    """A number as people of the language write it: with a decimal comma in Italian.
+
+    Args:
+        value: The number.
+        digits: Digits after it.
+    """
+    text = f"{value:.{digits}f}"
+    return text if _spoken.get() == SOURCE else text.replace(".", ",")
+
+
 def marked(text: str) -> str:
     """Marks a text of a table for the catalogues; it is translated where it is shown, with ``_``."""
     return text

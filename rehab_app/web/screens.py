@@ -5,11 +5,12 @@ from __future__ import annotations
 import threading
 
 from rehab_app.services.clinic import Clinic
+from rehab_app.web.language import spoken
 from rehab_app.web.viewport import LiveViewport, ReviewViewports
 
 
 class Screens:
-    """The live viewport and those of reviews.
+    """The live viewports, one for each language that is asked for, and those of reviews.
 
     Args:
         clinic: The clinic.
@@ -18,15 +19,16 @@ class Screens:
     def __init__(self, clinic: Clinic) -> None:
         self._clinic = clinic
         self._starting = threading.Lock()
-        self._live: LiveViewport | None = None
+        self._live: dict[str, LiveViewport] = {}
         self._reviews: ReviewViewports | None = None
 
     def live_port(self) -> int:
         """Loopback port of the live picture."""
         with self._starting:
-            if self._live is None:
-                self._live = LiveViewport(self._clinic)
-            return self._live.port
+            language = spoken()
+            if language not in self._live:
+                self._live[language] = LiveViewport(self._clinic)
+            return self._live[language].port
 
     def review_port(self, recording: str) -> int:
         """Loopback port of the picture that replays a recording.
@@ -42,8 +44,8 @@ class Screens:
     def close(self) -> None:
         """End them all."""
         with self._starting:
-            if self._live is not None:
-                self._live.close()
+            while self._live:
+                self._live.popitem()[1].close()
             if self._reviews is not None:
                 self._reviews.close()
-            self._live = self._reviews = None
+            self._reviews = None

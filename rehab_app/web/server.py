@@ -24,6 +24,7 @@ from rehab_app.web.gateway.wire import BUFFER_BYTES
 from rehab_app.web.notify import ALIVE, READY, STOPPING, notify, watchdog_s
 from rehab_app.web.server_log import tell
 from rehab_app.web.tls import TlsFiles
+from rehab_app.web.uploading import keep_up
 
 _BACKLOG = 128
 _SWITCH_S = 0.0005
@@ -52,6 +53,7 @@ def serve(
     line = listen(host, port)
     with _no_second_end(), ahead_of_others(), contextlib.suppress(KeyboardInterrupt):
         threading.Thread(target=clinic.interrupted.restore, name="restore", daemon=True).start()
+        keep_up(clinic)
         server = ShellServer(create_app(clinic, host), ready, tls, lambda: stop_movement(clinic))
         server.run(sockets=[line])
 

@@ -16,6 +16,9 @@ from sessions.store.reader import SessionReader
 
 BLOCK_BYTES = 256 * 1024
 BLOCKS_KEPT = 64
+_TAIL_SHARE = 100
+_TAIL_BLOCKS_MAX = 16
+"""Index and overview lie at the end: whoever asks for the last block gets a hundredth of the file."""
 
 
 class ObjectSource(Source):
@@ -48,6 +51,7 @@ class ObjectSource(Source):
         self.size = store.length(key)
         self.fetched_bytes = 0
         self.requests = 0
+        self._tail = (self.size - 1) // block_bytes
 
     def close(self) -> None:
         """Forget the blocks."""
@@ -57,6 +61,11 @@ class ObjectSource(Source):
         if length == 0:
             return b""
         first, last = start // self._block_bytes, (start + length - 1) // self._block_bytes
+        if last == self._tail and last not in self._blocks:
+            blocks = self.size // self._block_bytes // _TAIL_SHARE
+            self._gathered(
+                range(max(0, last - min(blocks, _TAIL_BLOCKS_MAX, self._blocks_kept - 1)), last + 1)
+            )
         found = self._gathered(range(first, last + 1))
         begin = start - first * self._block_bytes
         return found[begin : begin + length]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Generator
 from contextlib import contextmanager
 
 from sessions.errors import Refused
 
+_STATUS = re.compile(r"status code: (\d{3})")
 _KEPT = "what waits here is kept and goes up when it answers again"
 
 
@@ -36,7 +38,7 @@ def telling(bucket: str, endpoint: str, key: str) -> Generator[None]:
     try:
         yield
     except (BaseError, OSError) as error:
-        raise _told(bucket, endpoint, key, str(error)) from error
+        raise _told(bucket, endpoint, key, error) from error
 
 
 def corrupted(key: str, met: str, expected: str) -> Refused:
@@ -60,18 +62,19 @@ def shortened(key: str, met: int, wanted: int) -> Refused:
     )
 
 
-def _told(bucket: str, endpoint: str, key: str, said: str) -> Refused:
+def _told(bucket: str, endpoint: str, key: str, error: Exception) -> Refused:
     """One sentence for what the store or the network said; the key of access is never part of it."""
+    said, status = str(error), _STATUS.search(str(error))
     name, place = f"bucket {bucket!r}", endpoint or "the region's own address"
     if "NoSuchBucket" in said:
         return Unreachable(name, f"missing at {place}", "there", "make it, or correct store.bucket")
-    if any(word in said for word in ("InvalidAccessKeyId", "SignatureDoesNotMatch", "Unauthenticated")):
+    if any(word in said for word in ("InvalidAccessKeyId", "SignatureDoesNotMatch")):
         remedy = "correct store.access_key and its secret"
         return Unreachable("access key of the object store", f"refused by {place}", "one it knows", remedy)
-    if "403" in said or "AccessDenied" in said or "PermissionDenied" in said:
+    if "AccessDenied" in said or (status and status[1] in ("401", "403")):
         remedy = f"give the access key the right to read, write and delete in it; {_KEPT}"
         return Unreachable(name, "closed to this access key", "readable and writable", remedy)
-    if "not found" in said or "404" in said:
+    if isinstance(error, FileNotFoundError):
         remedy = "check the bucket, or send the file again with rehab-app store push"
         return Absent(f"object {key!r}", f"not in {name}", "there", remedy)
     return Unreachable(

@@ -10,7 +10,10 @@ import pytest
 
 from rehab_app.access import CONSOLE
 from rehab_app.bootstrap import open_clinic
+from rehab_app.services.order import Order
 from rehab_app.web.language import COOKIE, LANGUAGES
+
+from .clinic_server import serving
 
 pytestmark = pytest.mark.browser
 
@@ -41,6 +44,8 @@ PAGES = (
     "/takes/{take}/report",
     "/takes/{take}/names",
     "/sessions",
+    "/sessions/{session}",
+    "/sessions/{session}/report",
     "/mine",
     "/account",
     "/clinic",
@@ -65,11 +70,16 @@ def axe():
 
 @pytest.fixture(scope="module")
 def ids(served):
-    """A patient and a take of the clinic, and an administrator, who may open every page."""
+    """A patient, a take and a played session of the clinic, and an administrator, who may open every page."""
     with open_clinic(served.folder) as clinic:
         clinic.accounts.add_user(ADMINISTRATOR, "administrator", PASSWORD, CONSOLE)
-        take = clinic.takes.record_virtual("open_close", "right", 1.5, 3, CONSOLE)
-        return {"patient": clinic.patients.list()[0].id, "take": take.take}
+        take = clinic.takes.record_virtual("open_close", "right", 1.5, 3, CONSOLE).take
+        clinic.takes.approve(take, CONSOLE)
+        patient = clinic.patients.list()[0].id
+        order = Order(speed=1.0, repetitions=1)
+        plan = clinic.therapy.plan(take, order, actor=CONSOLE, patient_id=patient)
+        played = clinic.therapy.rehearse_and_play(plan, actor=CONSOLE, present=patient)
+        return {"patient": patient, "take": take, "session": played.session}
 
 
 def violations(page, axe):
@@ -113,12 +123,44 @@ def test_no_page_has_a_serious_violation(page, served, ids, axe):
     assert not {path: found for path, found in problems.items() if found}
 
 
+def test_a_form_that_came_too_late_has_no_serious_violation(visitor, served, ids, axe):
+    """What was typed while the sign-in had ended, shown again."""
+    page = visitor()
+    page.goto(served.address + "/sign-in")
+    sign_in(page, served)
+    page.goto(served.address + f"/patients/{ids['patient']}/journal")
+    with open_clinic(served.folder) as clinic:
+        clinic.accounts.sign_ins.end_all(ADMINISTRATOR)
+    page.wait_for_timeout(2500)  # a sign-in that was seen just now is believed for two seconds
+    page.fill("textarea[name=text]", "late, but kept")
+    page.click("form[action$='/journal/note'] button[type=submit]")
+    page.wait_for_url(re.compile("/sign-in"))
+    page.fill("input[name=name]", ADMINISTRATOR)
+    page.fill("input[name=password]", PASSWORD)
+    page.click("main button[type=submit]")
+    page.wait_for_url(re.compile("/kept"))
+    assert violations(page, axe) == []
+
+
+def test_the_first_page_of_an_empty_clinic_has_no_serious_violation(visitor, tmp_path, axe):
+    """Where the first account is made."""
+    with open_clinic(tmp_path):
+        pass
+    with serving(tmp_path) as server:
+        page = visitor()
+        for language in LANGUAGES:
+            page.context.add_cookies([{"name": COOKIE, "value": language, "url": server.address}])
+            page.goto(server.address + "/set-up")
+            assert page.get_attribute("html", "lang") == language
+            assert violations(page, axe) == []
+
+
 def test_every_page_of_the_shell_is_looked_at(served, ids):
     """A page that is added later must be added above."""
     from rehab_app.web import create_app
 
     apart = re.compile(
-        r"^/($|sign-in|set-up|stop/|here|healthz|metrics$|kept|unlock|prescribe|exercise-pictures|live/.|sessions/.)"
+        r"^/($|sign-in|set-up|stop/|here|healthz|metrics$|kept|unlock|prescribe|exercise-pictures|live/.)"
         r"|/view/|/state$|/first.jpg$|\.(svg|csv|html|json|\{)|\.\{?format|/board|/file/|^/takes/.*/compare$"
     )
     with open_clinic(served.folder) as clinic:
@@ -127,6 +169,6 @@ def test_every_page_of_the_shell_is_looked_at(served, ids):
             for route in create_app(clinic, open_viewports=lambda _: None).routes
             if "GET" in (getattr(route, "methods", None) or ())
         }
-    shapes = {path.format(patient="{patient}", take="{recording}") for path in PAGES}
+    shapes = {path.format(patient="{patient}", take="{recording}", session="{recording}") for path in PAGES}
     shapes = {re.sub("^/exercises/.*", "/exercises/{name:path}", shape) for shape in shapes}
     assert not {path for path in paths if not apart.search(path)} - shapes

@@ -9,6 +9,14 @@ from rehab_app.errors import Refused
 from rehab_app.web.visit import Visit
 
 
+def decimal(text: str) -> float:
+    """A number as people type it, with decimal comma or point; NaN where it is none."""
+    try:
+        return float(text.replace(",", "."))
+    except ValueError:
+        return math.nan
+
+
 def number(visit: Visit, name: str, thing: str, bound: str, default: float | None = None) -> float:
     """A number that was typed.
 
@@ -25,10 +33,7 @@ def number(visit: Visit, name: str, thing: str, bound: str, default: float | Non
     text = visit.asked(name)
     if not text and default is not None:
         return default
-    try:
-        value = float(text.replace(",", "."))
-    except ValueError:
-        value = math.nan
+    value = decimal(text)
     if not math.isfinite(value):
         raise Refused(thing, repr(text[:40]), bound, "type one")
     return value

@@ -8,6 +8,7 @@ from rehab_app.errors import Refused
 from rehab_app.services.grip_target import choice_fields, grip_choice
 from rehab_app.services.journal_records import SKIN, SWELLING
 from rehab_app.services.recording_request import LIVE_KINDS, PROTOCOL, VIRTUAL
+from rehab_app.web.language import _
 from rehab_app.web.live_state import live_state
 from rehab_app.web.pages.asked import number
 from rehab_app.web.visit import Visit
@@ -83,7 +84,7 @@ def record(visit: Visit) -> Response:
         consent_images=visit.asked("consent") == "yes",
     )
     visit.site.operator.take_over(visit.asked("page"), visit.account.name)
-    return visit.go("/live", "Recording starts after the countdown.")
+    return visit.go("/live", _("Recording starts after the countdown."))
 
 
 def cameras(visit: Visit) -> Response:
@@ -106,7 +107,7 @@ def cameras(visit: Visit) -> Response:
 def finish(visit: Visit) -> Response:
     """End the recording and keep what there is."""
     visit.site.clinic.live.finish_recording(visit.account)
-    return visit.go("/live", "The recording was ended.")
+    return visit.go("/live", _("The recording was ended."))
 
 
 def target(visit: Visit) -> Response:
@@ -116,7 +117,8 @@ def target(visit: Visit) -> Response:
     width_mm = number(visit, "width", "width of the object", _MILLIMETRES) if kind == "box" else 0.0
     choice = grip_choice(kind, size_mm, visit.asked("grip") or "transverse", width_mm)
     visit.site.clinic.live.target.choose(visit.account, choice)
-    return visit.go("/live", "No target grip." if choice is None else f"Target: {choice.words}.")
+    said = _("Target: %(words)s.") % {"words": "" if choice is None else choice.words}
+    return visit.go("/live", _("No target grip.") if choice is None else said)
 
 
 def _camera(visit: Visit) -> str:

@@ -10,7 +10,8 @@ from starlette.responses import JSONResponse, Response
 
 from rehab_app.errors import REFUSALS, Refused
 from rehab_app.services.order import EXOSKELETON, Order
-from rehab_app.web.pages.asked import choice, number, whole
+from rehab_app.web.language import _
+from rehab_app.web.pages.asked import choice, decimal, number, whole
 from rehab_app.web.render import clock
 from rehab_app.web.visit import Visit
 from rehab_app.web.words import ROBOTS
@@ -26,7 +27,7 @@ def play(visit: Visit) -> Response:
         visit.account, patient, _take(visit), _order(visit), present=_present(visit, patient)
     )
     visit.site.operator.take_over(visit.asked("page"), visit.account.name)
-    return visit.go("/live", "Rehearsing on the virtual twin.")
+    return visit.go("/live", _("Rehearsing on the virtual twin."))
 
 
 def measure(visit: Visit) -> Response:
@@ -42,33 +43,33 @@ def fit(visit: Visit) -> Response:
 def pause(visit: Visit) -> Response:
     """Hold the path."""
     visit.site.clinic.live.controls.pause(visit.account)
-    return visit.go("/live", "Paused.")
+    return visit.go("/live", _("Paused."))
 
 
 def resume(visit: Visit) -> Response:
     """Go on; the page that resumes is the operator's from now on."""
     visit.site.operator.take_over(visit.asked("page"), visit.account.name)
     visit.site.clinic.live.controls.resume(visit.account)
-    return visit.go("/live", "Going on.")
+    return visit.go("/live", _("Going on."))
 
 
 def reverse(visit: Visit) -> Response:
     """Go back along the path."""
     visit.site.clinic.live.controls.reverse(visit.account)
-    return visit.go("/live", "Going back.")
+    return visit.go("/live", _("Going back."))
 
 
 def advance(visit: Visit) -> Response:
     """What comes next: the next repetition or posture, or the robot's help."""
     visit.site.clinic.live.controls.advance(visit.account)
-    return visit.go("/live", "Next.")
+    return visit.go("/live", _("Next."))
 
 
 def speed(visit: Visit) -> Response:
     """Another path speed, in percent of the therapist's."""
     asked = number(visit, "speed", "speed", _PERCENT)
     visit.site.clinic.live.controls.set_speed(visit.account, asked / 100.0)
-    return visit.go("/live", f"Speed {asked:.0f} %.")
+    return visit.go("/live", _("Speed %(n)s %%.") % {"n": f"{asked:.0f}"})
 
 
 def limits(visit: Visit) -> Response:
@@ -76,10 +77,8 @@ def limits(visit: Visit) -> Response:
     asked = visit.request.query_params
     device = choice(asked.get("device", EXOSKELETON), "robot", ROBOTS)
     patient = asked.get("patient", "")
-    try:
-        wrist_rad = math.radians(float(asked.get("wrist", "0").replace(",", ".") or 0.0))
-    except ValueError:
-        wrist_rad = math.nan  # refused below, as every angle that is none
+    # refused below where it is none, as every angle that is none
+    wrist_rad = math.radians(decimal(asked.get("wrist", "") or "0"))
     try:
         told = _limits(visit, patient, device, wrist_rad)
     except REFUSALS as refusal:
@@ -91,17 +90,18 @@ def limits(visit: Visit) -> Response:
 def _limits(visit: Visit, patient: str, device: str, wrist_rad: float) -> dict[str, Any]:
     clinic = visit.site.clinic
     if not capabilities(device).worn:
-        words = "Nobody wears this robot: its own range and speed hold."
+        words = _("Nobody wears this robot: its own range and speed hold.")
         return {"kind": "", "words": words, "more": (), "locked": {}}
     if not patient:
-        return {"kind": "", "words": "Shipped defaults, for an average hand.", "more": (), "locked": {}}
+        return {"kind": "", "words": _("Shipped defaults, for an average hand."), "more": (), "locked": {}}
     locked: dict[str, str] = dict(clinic.clinical.locks(patient))
     today = clinic.limits.show(patient, device, wrist_rad)
     held = today.limits
     if today.measured:
-        words = f"Measured today {clock(held.measured_utc_ns)}, wrist {math.degrees(held.wrist_rad):.0f}°."
+        measured = {"time": clock(held.measured_utc_ns), "n": f"{math.degrees(held.wrist_rad):.0f}"}
+        words = _("Measured today %(time)s, wrist %(n)s°.") % measured
     else:
-        words = "Shipped defaults: not measured today."
+        words = _("Shipped defaults: not measured today.")
     return {
         "kind": "good" if today.measured else "caution",
         "words": words,
@@ -116,7 +116,7 @@ def _assess(visit: Visit, kind: str) -> Response:
         visit.account, kind, patient, _order(visit), present=_present(visit, patient)
     )
     visit.site.operator.take_over(visit.asked("page"), visit.account.name)
-    return visit.go("/live", "Rehearsing on the virtual twin.")
+    return visit.go("/live", _("Rehearsing on the virtual twin."))
 
 
 def _patient(visit: Visit) -> str | None:

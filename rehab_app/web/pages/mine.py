@@ -1,4 +1,4 @@
-"""The patient's own screen: given name, what is practised, what comes next, stop and pain; nothing else."""
+"""The patient's own screen: what comes next, stop and pain; name and exercise for the one whose it is."""
 
 from __future__ import annotations
 
@@ -41,13 +41,19 @@ def state(visit: Visit) -> Response:
 
 def _now(visit: Visit) -> dict[str, str | bool]:
     now = visit.site.clinic.live.snapshot()
+    own = _own(visit, now.patient_id)
     return {
-        "name": _given_name(visit, now.patient_id),
-        "exercise": _exercise(visit, now.take_id),
+        "name": _given_name(visit, now.patient_id) if own else "",
+        "exercise": _exercise(visit, now.take_id) if own else "",
         "step": _step(now),
         "going": now.state == "playing" and not now.paused,
         "count": _count(now),
     }
+
+
+def _own(visit: Visit, pseudonym: str) -> bool:
+    """Whether it is the screen of the patient who practises; anybody else's shows nothing personal."""
+    return bool(pseudonym) and visit.site.clinic.accounts.own_patients.of(visit.account) == pseudonym
 
 
 def _step(now: LiveSnapshot) -> str:
@@ -69,8 +75,6 @@ def _count(now: LiveSnapshot) -> str:
 
 def _given_name(visit: Visit, pseudonym: str) -> str:
     """The given name only: the room reads this screen too."""
-    if not pseudonym:
-        return ""
     try:
         return visit.site.patients.get(pseudonym).given_name
     except Refused:

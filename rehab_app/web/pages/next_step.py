@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 from starlette.responses import Response
 
 from rehab_app.errors import Refused
 from rehab_app.web.language import _, marked
+from rehab_app.web.pages.asked import decimal
 from rehab_app.web.visit import Visit
 
 _WORDS = {
@@ -50,10 +53,8 @@ def answer(visit: Visit) -> Response:
 
 def aim(visit: Visit) -> Response:
     """Aim at another share of successful repetitions, for the whole clinic."""
-    back, typed = f"/patients/{visit.part('patient')}/next", visit.asked("percent")
-    try:
-        share = float(typed) / 100.0
-    except ValueError:
+    back, share = f"/patients/{visit.part('patient')}/next", decimal(visit.asked("percent")) / 100.0
+    if not math.isfinite(share):
         return visit.go(back, _("The aim must be a number of percent, such as 70."), good=False)
     try:
         visit.site.clinic.proposals.set_target(visit.account, share)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import fields, replace
 
 from starlette.responses import Response
@@ -14,6 +13,7 @@ from rehab_app.services.diagnosis import precautions
 from rehab_app.services.diagnosis_templates import TEMPLATES
 from rehab_app.web.language import _
 from rehab_app.web.pages import patient_words as words
+from rehab_app.web.pages.asked import decimal
 from rehab_app.web.pages.patient_tabs import patient_head
 from rehab_app.web.pages.typed import Typed, sentence_of
 from rehab_app.web.render import mode
@@ -142,10 +142,7 @@ def _bones(form: Typed) -> str:
 
 
 def _millimetres(text: str) -> float:
-    try:
-        length_m = float(text.replace(",", ".")) / 1e3
-    except ValueError:
-        length_m = math.nan
+    length_m = decimal(text) / 1e3
     if not 0.008 <= length_m <= 0.08:
         raise Refused("bone", repr(text[:40]) if text else "empty", "8 to 80 mm", "measure it, or empty all")
     return length_m

@@ -15,6 +15,7 @@ from rehab_app.services.patients import (
     side_named,
 )
 from rehab_app.services.plain_text import many_lines, needed, one_line
+from rehab_app.web.pages.asked import decimal
 from rehab_app.web.pages.typed import Typed
 from rehab_app.web.visit import Visit
 from sessions.catalogue import Patient
@@ -125,10 +126,7 @@ def _birth_date(text: str) -> str:
 def _length_m(text: str) -> float:
     """The length of a hand, typed in cm: refused in cm, too."""
     low_cm, high_cm = 100 * HAND_LENGTH_M[0], 100 * HAND_LENGTH_M[1]
-    try:
-        length_cm = float(text.replace(",", "."))
-    except ValueError:
-        length_cm = math.nan
+    length_cm = decimal(text)
     if not low_cm <= length_cm <= high_cm:
         value = f"{length_cm:g} cm" if math.isfinite(length_cm) else repr(text[:40])
         bound = f"{low_cm:.0f} to {high_cm:.0f} cm"

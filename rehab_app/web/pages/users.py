@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from starlette.responses import Response
 
@@ -29,16 +30,21 @@ def add(visit: Visit) -> Response:
         return _shown(visit, {"add": _("The two passwords differ: type the same one twice.")})
     done = _("%(name)s may sign in.") % {"name": name}
     accounts = visit.site.clinic.accounts
-    return _do(visit, "add", done, lambda: accounts.add_user(name, role, password, visit.account))
+    return _do(
+        visit,
+        "add",
+        done,
+        lambda: accounts.add_user(name, role, password, visit.account, visit.asked("patient")),
+    )
 
 
 def change_role(visit: Visit) -> Response:
     """Give an account another role."""
     name, accounts = visit.asked("name"), visit.site.clinic.accounts
     done = _("The role of %(name)s was changed; %(name)s signs in again.") % {"name": name}
-    return _do(
-        visit, f"user {name}", done, lambda: accounts.change_role(name, visit.asked("role"), visit.account)
-    )
+    role, patient = visit.asked("role"), visit.asked("patient")
+    act = partial(accounts.change_role, name, role, visit.account, patient)
+    return _do(visit, f"user {name}", done, act)
 
 
 def reset_password(visit: Visit) -> Response:
@@ -80,14 +86,20 @@ def _do(visit: Visit, place: str, done: str, act: Callable[[], object]) -> Respo
 
 def _shown(visit: Visit, problems: dict[str, str]) -> Response:
     accounts = visit.site.clinic.accounts
+    held = accounts.list(visit.account)
     return visit.page(
         "users.html.j2",
         status=409 if problems else 200,
-        accounts=accounts.list(visit.account),
+        accounts=held,
+        screens={one.name: accounts.own_patients.of(one) for one in held},
         closed=accounts.closed(visit.account),
         roles=[(role, ROLE_WORDS[role], ROLES_MAY[role]) for role in ROLES],
         problems=problems,
-        typed={"name": visit.asked("name"), "role": visit.asked("role") or "therapist"},
+        typed={
+            "name": visit.asked("name"),
+            "role": visit.asked("role") or "therapist",
+            "patient": visit.asked("patient"),
+        },
         minutes=accounts.sign_ins.idle_s() // 60,
         typed_minutes=visit.asked("minutes"),
     )

@@ -11,10 +11,15 @@ from rehab_app.errors import Refused
 from rehab_app.grasp.grip import GRIPS
 from rehab_app.services.grip_finder import FoundGrip, GripFinder
 from rehab_app.services.grip_target import LARGEST_MM, SMALLEST_MM, GripChoice, choice_fields, grip_choice
+from rehab_app.web.language import _, marked
 from robot_iface.kinematics import HandGeometry
 
-_OBJECTS = {"None": "none", "Cylinder": "cylinder", "Ball": "ball", "Box": "box"}
-_GRIPS = {name.capitalize(): name for name in GRIPS}
+_OBJECTS = {
+    "none": marked("None"),
+    "cylinder": marked("Cylinder"),
+    "ball": marked("Ball"),
+    "box": marked("Box"),
+}
 
 
 class Aim:
@@ -30,14 +35,18 @@ class Aim:
         self._choice = choice
         self._complaint = ""
         gui, first = server.gui, choice_fields(choice)
-        with gui.add_folder("Target grip", expand_by_default=choice is not None):
+        # kept, as choices come on threads that know no language
+        self._objects = {_(word): name for name, word in _OBJECTS.items()}
+        self._grips = {_(name.capitalize()): name for name in GRIPS}
+        self._sizes = {"box": _("Thickness [mm]"), "": _("Diameter [mm]")}
+        with gui.add_folder(_("Target grip"), expand_by_default=choice is not None):
             self._object: Any = gui.add_dropdown(
-                "Object", tuple(_OBJECTS), initial_value=_label(_OBJECTS, first["object"])
+                _("Object"), tuple(self._objects), initial_value=_label(self._objects, first["object"])
             )
-            self._size: Any = _millimetres(gui, "Size [mm]", first["size"])
-            self._width: Any = _millimetres(gui, "Width [mm]", first["width"])
+            self._size: Any = _millimetres(gui, _("Size [mm]"), first["size"])
+            self._width: Any = _millimetres(gui, _("Width [mm]"), first["width"])
             self._grip: Any = gui.add_dropdown(
-                "Grip", tuple(_GRIPS), initial_value=_label(_GRIPS, first["grip"])
+                _("Grip"), tuple(self._grips), initial_value=_label(self._grips, first["grip"])
             )
         for widget in (self._object, self._size, self._width, self._grip):
             widget.on_update(self._chosen)
@@ -53,9 +62,9 @@ class Aim:
         """Somebody chose; a client may send anything."""
         try:
             self._choice = grip_choice(
-                _OBJECTS.get(str(self._object.value), str(self._object.value)),
+                self._objects.get(str(self._object.value), str(self._object.value)),
                 _number(self._size.value),
-                _GRIPS.get(str(self._grip.value), str(self._grip.value)),
+                self._grips.get(str(self._grip.value), str(self._grip.value)),
                 _number(self._width.value),
             )
             self._complaint = ""
@@ -65,8 +74,8 @@ class Aim:
 
     def _fold(self) -> None:
         """Show only what the chosen object needs."""
-        kind = _OBJECTS.get(str(self._object.value), "none")
-        self._size.label = {"box": "Thickness [mm]"}.get(kind, "Diameter [mm]")
+        kind = self._objects.get(str(self._object.value), "none")
+        self._size.label = self._sizes.get(kind, self._sizes[""])
         self._size.visible = kind != "none"
         self._width.visible = kind == "box"
         self._grip.visible = kind in ("cylinder", "box")

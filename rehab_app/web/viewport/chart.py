@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import viser
 
+from rehab_app.web.language import _
 from rehab_app.web.viewport.verdict import TARGET_MM
 from robot_iface.types import Float64
 
@@ -44,7 +45,7 @@ class ErrorChart:
             scales={"x": {"time": False, "range": (self._from_s, self._to_s)}},
             axes=(
                 {"label": x_label, "labelSize": 20, "size": 34},
-                {"label": "error [mm RMS]", "labelSize": 22, "size": 44},
+                {"label": _("error [mm RMS]"), "labelSize": 22, "size": 44},
             ),
             legend=_HIDDEN,
             height=_HEIGHT_PX,

@@ -11,6 +11,7 @@ from rehab_app.services.clinic import Clinic
 from rehab_app.services.live_board import HISTORY_S
 from rehab_app.services.live_target import way_of
 from rehab_app.services.snapshot import BUSY, LiveSnapshot
+from rehab_app.web.language import _
 from rehab_app.web.viewport import verdict
 from rehab_app.web.viewport.painter import Painter
 from rehab_app.web.viewport.panel import Panel
@@ -34,7 +35,7 @@ class LiveViewport:
         self._desk = clinic.live
         snapshot = self._desk.snapshot()
         self._room = furnish("Live", snapshot.geometry)
-        self._panel = Panel(self._room, "seconds before now", (-HISTORY_S, 0.0))
+        self._panel = Panel(self._room, _("seconds before now"), (-HISTORY_S, 0.0))
         self._frame, self._fresh_s, self._seen = -1, time.monotonic(), False
         self._state: str = ""
         self._turn = 0
@@ -100,7 +101,7 @@ class LiveViewport:
     def _beside(self, snapshot: LiveSnapshot) -> None:
         """Panel, chart and camera image."""
         stale = self._seen and snapshot.state in _MOVING and time.monotonic() - self._fresh_s > STALE_S
-        shown = verdict.Verdict("alarm", "STALE: this picture is old") if stale else verdict_of(snapshot)
+        shown = verdict.Verdict("alarm", _("STALE: this picture is old")) if stale else verdict_of(snapshot)
         self._panel.say(shown, facts_of(snapshot))
         self._panel.aim(snapshot.grip, way_of(snapshot))
         self._panel.mark(snapshot.frame)

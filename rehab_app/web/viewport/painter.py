@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import contextvars
 import threading
 import time
 from collections.abc import Callable
@@ -24,7 +25,8 @@ class Painter:
     def __init__(self, room: Room, name: str, paint: Callable[[], float]) -> None:
         self._room, self._paint = room, paint
         self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._work, name=name, daemon=True)
+        spoken = contextvars.copy_context()  # it draws in the language of whoever opened it
+        self._thread = threading.Thread(target=spoken.run, args=(self._work,), name=name, daemon=True)
         self._thread.start()
 
     @property

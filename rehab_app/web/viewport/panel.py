@@ -9,10 +9,11 @@ import viser
 
 from rehab_app.services.grip_finder import NO_GRIP, FoundGrip
 from rehab_app.services.grip_target import WayToGo
+from rehab_app.web.language import _
 from rehab_app.web.viewport import verdict
 from rehab_app.web.viewport.chart import ErrorChart
 from rehab_app.web.viewport.goal import goal_html
-from rehab_app.web.viewport.scene import VIEWS, Room, look_from
+from rehab_app.web.viewport.scene import VIEW_WORDS, Room, look_from
 
 _WIDTH_PX = 350
 
@@ -31,12 +32,12 @@ class Panel:
         gui.main_panel.dock_right()
         gui.main_panel.set_width(_WIDTH_PX)
         self._said: dict[str, str] = {}
-        self._card: Any = gui.add_html(verdict.Verdict("calm", "Ready").html())
+        self._card: Any = gui.add_html(verdict.Verdict("calm", _("Ready")).html())
         self._goal: Any = gui.add_html("", visible=False)
         self._facts: Any = gui.add_html("")
         self._mark: Any = gui.add_html("")
         self.camera: Any = gui.add_image(
-            np.full((240, 320, 3), 238, dtype=np.uint8), label="Camera", format="jpeg", visible=False
+            np.full((240, 320, 3), 238, dtype=np.uint8), label=_("Camera"), format="jpeg", visible=False
         )
         self.chart = ErrorChart(room.server, x_label, *span_s)
         self._legend: Any = gui.add_html("", visible=False)
@@ -79,13 +80,14 @@ class Panel:
 
     def _add_views(self, room: Room) -> None:
         gui = room.server.gui
-        views: Any = gui.add_button_group("View", tuple(VIEWS))
-        trails: Any = gui.add_checkbox("Trails", True)
+        named = {_(word): view for view, word in VIEW_WORDS.items()}
+        views: Any = gui.add_button_group(_("View"), tuple(named))
+        trails: Any = gui.add_checkbox(_("Trails"), True)
 
         @views.on_click
         def _look(event: viser.GuiEvent[Any]) -> None:
-            if event.client is not None and views.value in VIEWS:
-                look_from(event.client, str(views.value))
+            if event.client is not None and views.value in named:
+                look_from(event.client, named[str(views.value)])
 
         @trails.on_update
         def _trails(_: viser.GuiEvent[Any]) -> None:

@@ -12,6 +12,7 @@ from rehab_app.services.clinic import Clinic
 from rehab_app.services.grip_finder import NO_GRIP
 from rehab_app.services.grip_target import recorded_choice, way_to_go
 from rehab_app.services.rows import Replay
+from rehab_app.web.language import _, spoken, written
 from rehab_app.web.viewport.aim import Aim
 from rehab_app.web.viewport.painter import Painter
 from rehab_app.web.viewport.panel import Panel
@@ -44,7 +45,7 @@ class ReviewViewport:
         self._room.server.gui.main_panel.dock_right()
         self._transport = Transport(self._room.server, self._end_s, replay.repetitions_s)
         self._second = None if second is None else Second(self._room, second, replay)
-        self._panel = Panel(self._room, "time [s]", (0.0, self._end_s))
+        self._panel = Panel(self._room, _("time [s]"), (0.0, self._end_s))
         self._panel.compare(replay.fingertip_error_m is not None)
         self._chart(0.0)
         self._aim = Aim(self._room.server, recorded_choice(replay.prescription))
@@ -117,40 +118,41 @@ class ReviewViewport:
         error = self._replay.fingertip_error_m
         if error is None and self._replay.phases:
             phase = self._replay.phases[row]
-            return Verdict("calm", PHASES.get(phase, phase), detail="Guided assessment: nobody is followed.")
+            detail = _("Guided assessment: nobody is followed.")
+            return Verdict("calm", _(PHASES.get(phase, phase)), detail=detail)
         if error is None:
-            return Verdict(
-                "calm",
-                "Take",
-                f"{self._replay.t_s[row]:.1f}",
-                "s",
-                "The recorded hand alone; there is no reference.",
-            )
+            at = written(float(self._replay.t_s[row]), 1)
+            alone = _("The recorded hand alone; there is no reference.")
+            return Verdict("calm", _("Take"), at, "s", alone)
         if not np.isfinite(error[row]):
             phase = self._replay.phases[row]
-            return Verdict(
-                "calm", PHASES.get(phase, phase), detail="Compared only while the movement is made."
-            )
+            detail = _("Compared only while the movement is made.")
+            return Verdict("calm", _(PHASES.get(phase, phase)), detail=detail)
         return of_error(np.full(5, error[row]), with_worst=False)
 
     def _facts(self, row: int) -> tuple[tuple[str, str], ...]:
         replay = self._replay
-        rows = [("Time", f"{replay.t_s[row]:.1f} of {self._end_s:.1f} s")]
+        counted = _("%(n)s of %(m)s")
+        times = {"n": written(float(replay.t_s[row]), 1), "m": written(self._end_s, 1)}
+        rows = [(_("Time"), f"{counted % times} s")]
         if self._transport.repetitions:
-            rows.append(("Repetition", f"{self._transport.repetition()} of {self._transport.repetitions}"))
+            done = {"n": self._transport.repetition(), "m": self._transport.repetitions}
+            rows.append((_("Repetition"), counted % done))
         if self._second is not None:
             error_mm = self._second.error_now_mm(self._transport.at_s)
-            said = f"error {error_mm:.1f} mm" if np.isfinite(error_mm) else "not compared now"
-            rows.append(("Second recording, green", said))
+            known = _("error %(n)s mm") % {"n": written(error_mm, 1)}
+            said = known if np.isfinite(error_mm) else _("not compared now")
+            rows.append((_("Second recording, green"), said))
         if replay.phases:
-            rows.append(("Phase", PHASES.get(replay.phases[row], replay.phases[row])))
+            rows.append((_("Phase"), _(PHASES.get(replay.phases[row], replay.phases[row]))))
         past = [
             event
             for event in replay.events
             if event.t_ns * 1e-9 <= replay.t_s[row] and event.severity != "info"
         ]
         if past:
-            rows.append(("Last event", f"{past[-1].t_ns * 1e-9:.1f} s: {past[-1].text or past[-1].cause}"))
+            last = f"{written(past[-1].t_ns * 1e-9, 1)} s: {past[-1].text or past[-1].cause}"
+            rows.append((_("Last event"), last))
         return tuple(rows)
 
 
@@ -164,7 +166,7 @@ class ReviewViewports:
 
     def __init__(self, clinic: Clinic, most: int = 4) -> None:
         self._clinic, self._most = clinic, most
-        self._open: OrderedDict[str, ReviewViewport] = OrderedDict()
+        self._open: OrderedDict[tuple[str, str], ReviewViewport] = OrderedDict()
         self._lock = threading.Lock()
 
     def port_for(self, named: str) -> int:
@@ -174,15 +176,16 @@ class ReviewViewports:
             Refused: There is no such recording, or its file is damaged.
         """
         with self._lock:
-            if named not in self._open:
-                first, _, second = named.partition(PAIRED)
+            key = (named, spoken())  # its panel speaks one language
+            if key not in self._open:
+                first, _joint, second = named.partition(PAIRED)
                 shown = self._clinic.sessions.replay(first)
                 beside = self._clinic.sessions.replay(second) if second else None
-                self._open[named] = ReviewViewport(shown, "Review", beside)
-            self._open.move_to_end(named)
+                self._open[key] = ReviewViewport(shown, _("Review"), beside)
+            self._open.move_to_end(key)
             while len(self._open) > self._most:
                 self._open.popitem(last=False)[1].close()
-            return self._open[named].port
+            return self._open[key].port
 
     def close(self) -> None:
         """Close all replays."""

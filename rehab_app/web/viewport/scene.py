@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import viser
 
+from rehab_app.web.language import marked
 from rehab_app.web.viewport.drawn_hand import DrawnHand
 from rehab_app.web.viewport.drawn_target import DrawnTarget
 from rehab_app.web.viewport.palette import BRAND, FLOOR, GRID, PATIENT, THERAPIST
@@ -26,6 +27,15 @@ VIEWS: dict[str, tuple[float, float, float]] = {
     "Thumb": (0.36, -0.08, 0.10),
 }
 """Camera positions in the room, m, all looking at the middle of the hand."""
+
+
+VIEW_WORDS = {
+    "Palm": marked("Palm"),
+    "Side": marked("Side"),
+    "Top": marked("Top"),
+    "Thumb": marked("Thumb"),
+}
+"""Their names, to be translated."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from rehab_app.services.rows import Replay
+from rehab_app.web.language import _, marked
 from rehab_app.web.viewport.drawn_hand import DrawnHand
 from rehab_app.web.viewport.palette import SECOND
 from rehab_app.web.viewport.scene import Q_WORLD_PALM_WXYZ, Room
@@ -14,8 +15,8 @@ from robot_iface.types import Float64
 
 BESIDE_M = (-0.145, -0.09, 0.0)
 """To the left as the first camera sees it."""
-PLACES = ("Overlaid", "Side by side")
-ALIGNMENTS = ("By repetition", "By time")
+PLACES = (marked("Overlaid"), marked("Side by side"))
+ALIGNMENTS = (marked("By repetition"), marked("By time"))
 
 
 class Second:
@@ -33,13 +34,15 @@ class Second:
         server, gui = room.server, room.server.gui
         self._frame: Any = server.scene.add_frame("/second", show_axes=False, wxyz=Q_WORLD_PALM_WXYZ)
         self._hand = DrawnHand(server, "/second/hand", replay.geometry, SECOND, palm=True)
-        self._place: Any = gui.add_button_group("Second", PLACES)
-        self._align: Any = gui.add_button_group("Align", ALIGNMENTS)
+        # kept, as clicks come on threads that know no language
+        self._beside, self._by_time = _(PLACES[1]), _(ALIGNMENTS[1])
+        self._place: Any = gui.add_button_group(_("Second"), (_(PLACES[0]), self._beside))
+        self._align: Any = gui.add_button_group(_("Align"), (_(ALIGNMENTS[0]), self._by_time))
         self.changed = True
 
         @self._place.on_click
         def _put(_: Any) -> None:
-            beside = str(self._place.value) == PLACES[1]
+            beside = str(self._place.value) == self._beside
             self._frame.position = BESIDE_M if beside else (0.0, 0.0, 0.0)
 
         @self._align.on_click
@@ -48,7 +51,7 @@ class Second:
 
     def time_s(self, at_s: Float64) -> Float64:
         """Times of the second recording that belong to times of the first, same shape."""
-        if str(self._align.value) == ALIGNMENTS[1]:
+        if str(self._align.value) == self._by_time:
             return at_s
         return aligned(self._first.repetitions_s, self.replay.repetitions_s, at_s)
 

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import viser
 
+from rehab_app.web.language import _
 from robot_iface.types import Float64
 
 SPEEDS: dict[str, float] = {"0.1×": 0.1, "¼×": 0.25, "½×": 0.5, "1×": 1.0, "2×": 2.0}
-_BACK, _ON = "‹ Previous", "Next ›"
 _GRACE_S = 0.4
 """So soon after its start, "previous" means the repetition before rather than this one's start."""
 
@@ -29,12 +29,15 @@ class Transport:
         self._repetitions_s = repetitions_s
         self._factor = 1.0
         gui = server.gui
-        self._button: Any = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE)
-        self._bar: Any = gui.add_slider("Time [s]", 0.0, round(max(end_s, 0.1), 2), 0.01, 0.0)
-        self._speed: Any = gui.add_button_group("Speed", tuple(SPEEDS))
-        self._jump: Any = gui.add_button_group("Repetition", (_BACK, _ON), visible=len(repetitions_s) > 0)
-        self._loop: Any = gui.add_checkbox("Loop", True)
-        self._only: Any = gui.add_checkbox("Only this repetition", False, visible=len(repetitions_s) > 0)
+        # kept, as clicks come on threads that know no language
+        self._pause, self._play, self._on = _("Pause"), _("Play"), _("Next ›")
+        self._button: Any = gui.add_button(self._pause, icon=viser.Icon.PLAYER_PAUSE)
+        self._bar: Any = gui.add_slider(_("Time [s]"), 0.0, round(max(end_s, 0.1), 2), 0.01, 0.0)
+        self._speed: Any = gui.add_button_group(_("Speed"), tuple(SPEEDS))
+        some, jumps = len(repetitions_s) > 0, (_("‹ Previous"), self._on)
+        self._jump: Any = gui.add_button_group(_("Repetition"), jumps, visible=some)
+        self._loop: Any = gui.add_checkbox(_("Loop"), True)
+        self._only: Any = gui.add_checkbox(_("Only this repetition"), False, visible=some)
         self._listen()
 
     def advance(self, by_s: float) -> None:
@@ -86,7 +89,7 @@ class Transport:
         if playing and self.at_s >= self.end_s:
             self.at_s = 0.0
         self.playing = playing
-        self._button.label = "Pause" if playing else "Play"
+        self._button.label = self._pause if playing else self._play
         self._button.icon = viser.Icon.PLAYER_PAUSE if playing else viser.Icon.PLAYER_PLAY
 
     def _span(self) -> tuple[float, float]:
@@ -113,4 +116,4 @@ class Transport:
 
         @self._jump.on_click
         def _leap(_: viser.GuiEvent[Any]) -> None:
-            self.jump(str(self._jump.value) == _ON)
+            self.jump(str(self._jump.value) == self._on)

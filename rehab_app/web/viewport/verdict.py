@@ -7,10 +7,18 @@ from html import escape
 
 import numpy as np
 
+from rehab_app.web.language import _, marked, written
 from robot_iface.types import DIGITS, Float64
 
 TARGET_MM = 8.0
 """RMS fingertip distance up to which the hand counts as within the target [P]."""
+DIGIT_WORDS = {
+    "thumb": marked("thumb"),
+    "index": marked("index"),
+    "middle": marked("middle"),
+    "ring": marked("ring"),
+    "little": marked("little"),
+}
 _STYLES = {
     "good": ("#e7f4ec", "#14633a", "&#10003;"),
     "caution": ("#fff3d6", "#6b4a00", "&#9888;"),
@@ -60,16 +68,15 @@ def of_error(fingertip_error_m: Float64, *, with_worst: bool = True) -> Verdict:
     error_mm = 1e3 * np.asarray(fingertip_error_m)
     rms_mm = float(np.sqrt(np.mean(error_mm**2)))
     if not np.isfinite(rms_mm):
-        return Verdict("calm", "Not measured", detail="A fingertip is not seen.")
+        return Verdict("calm", _("Not measured"), detail=_("A fingertip is not seen."))
     within = rms_mm <= TARGET_MM
     worst = DIGITS[int(np.argmax(error_mm))]
-    return Verdict(
-        "good" if within else "caution",
-        "Within target" if within else "Off target",
-        f"{rms_mm:.1f}",
-        "mm RMS",
-        f"target {TARGET_MM:.0f} mm" + (f" · worst: {worst}, {error_mm.max():.1f} mm" if with_worst else ""),
-    )
+    detail = _("target %(n)s mm") % {"n": f"{TARGET_MM:.0f}"}
+    if with_worst:
+        named = {"digit": _(DIGIT_WORDS[worst]), "n": written(float(error_mm.max()), 1)}
+        detail += " · " + _("worst: %(digit)s, %(n)s mm") % named
+    style, word = ("good", _("Within target")) if within else ("caution", _("Off target"))
+    return Verdict(style, word, written(rms_mm, 1), "mm RMS", detail)
 
 
 def lines(rows: tuple[tuple[str, str], ...]) -> str:
@@ -85,9 +92,9 @@ def lines(rows: tuple[tuple[str, str], ...]) -> str:
 
 
 _SWATCHES = {
-    "Patient, solid": "width:14px;height:14px;background:#2e629e",
-    "Therapist, see-through": "width:12px;height:12px;background:#fbdcb4;border:2px dashed #cc5c00",
-    "Target, outlined": "width:12px;height:12px;background:#fff;border:2px solid #8a0068",
+    marked("Patient, solid"): "width:14px;height:14px;background:#2e629e",
+    marked("Therapist, see-through"): "width:12px;height:12px;background:#fbdcb4;border:2px dashed #cc5c00",
+    marked("Target, outlined"): "width:12px;height:12px;background:#fff;border:2px solid #8a0068",
 }
 
 
@@ -101,7 +108,7 @@ def legend(*, comparing: bool, target: bool) -> str:
     names = list(_SWATCHES)[: 2 if comparing else 0] + list(_SWATCHES)[2:] * target
     cells = "".join(
         f'<span><span style="display:inline-block;{_SWATCHES[name]};border-radius:4px;vertical-align:-3px">'
-        f"</span> {name}</span>"
+        f"</span> {escape(_(name))}</span>"
         for name in names
     )
     return (

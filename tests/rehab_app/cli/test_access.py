@@ -67,3 +67,24 @@ def test_the_audit_is_proved_and_a_changed_row_is_found(data):
 @pytest.mark.parametrize("arguments", [("verify",), ("verify", "12345678", "--audit")])
 def test_verify_wants_a_session_or_the_audit(data, arguments):
     assert invoke(data, *arguments).exit_code == 2
+
+
+def test_a_patients_account_is_tied_to_one_patient(data):
+    added = ("patient", "add", "--given", "Ada", "--family", "L", "--birth-date", "1950-12-31")
+    assert json.loads(invoke(data, *added, "--side", "left").stdout)["namesakes"] == []
+    bed = invoke(data, "user", "add", "bed", "--role", "patient", "--patient", "P-0001", stdin=PASSWORD)
+    assert json.loads(bed.stdout)["patient"] == "P-0001"
+    listed = json.loads(invoke(data, "user", "list").stdout)["users"]
+    assert [one["patient"] for one in listed if one["name"] == "bed"] == ["P-0001"]
+    assert json.loads(invoke(data, "user", "role", "bed", "patient").stdout)["patient"] == ""
+    for wrong in (("bed", "patient", "--patient", "P-0404"), ("tom", "therapist", "--patient", "P-0001")):
+        assert invoke(data, "user", "role", *wrong).exit_code == 1
+
+
+def test_a_namesake_is_added_with_a_warning(data):
+    given = ("--given", "Ada", "--family", "Rossi", "--birth-date", "1950-12-31", "--side", "left")
+    assert "Warning" not in invoke(data, "patient", "add", *given).stderr
+    again = invoke(data, "patient", "add", *given)
+    assert again.exit_code == 0
+    assert json.loads(again.stdout)["namesakes"] == ["P-0001"]
+    assert "Warning: same name or birth date as P-0001" in again.stderr

@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import socket
 import threading
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from ipaddress import ip_address
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 
 from rehab_app.errors import Refused
 from rehab_app.services.rows import Replay
-from rehab_app.services.snapshot import LiveSnapshot
+from rehab_app.services.snapshot import LiveSnapshot, LiveState
+from rehab_app.web.language import speak
+from rehab_app.web.screens import Screens
 from rehab_app.web.viewport import LOOPBACK, LiveViewport, ReviewViewports
 from rehab_app.web.viewport.hand_shape import HandShape
 from rehab_app.web.viewport.painter import Painter
 from rehab_app.web.viewport.private_server import PrivateServer
+from rehab_app.web.viewport.review import ReviewViewport
 from rehab_app.web.viewport.solids import ball, loft, tapered_bone
-from rehab_app.web.viewport.verdict import Verdict, lines, of_error
-from rehab_app.web.viewport.words import facts_of, verdict_of
+from rehab_app.web.viewport.verdict import Verdict, legend, lines, of_error
+from rehab_app.web.viewport.words import PHASES, facts_of, verdict_of
 from robot_iface.kinematics import JOINT_MAX_RAD, JOINT_MIN_RAD, average_hand, forward
 from robot_iface.types import Side
 
@@ -187,3 +191,85 @@ def test_a_picture_goes_on_after_a_browser_left_in_the_middle_of_a_turn():
     painter = Painter(SimpleNamespace(server=SimpleNamespace(stop=lambda: None)), "painter", paint)
     assert again.wait(10.0)
     painter.close()
+
+
+ITALIAN = "it"
+
+
+@pytest.fixture
+def italian() -> Iterator[None]:
+    speak(ITALIAN)
+    yield
+    speak("en")
+
+
+@pytest.mark.usefixtures("italian")
+def test_the_panel_speaks_the_language_of_its_page() -> None:
+    bad = of_error(np.array([0.002, 0.002, 0.0305, 0.002, 0.002]))
+    assert (bad.word, bad.number) == ("Fuori obiettivo", "13,8")
+    assert "medio, 30,5 mm" in bad.detail
+    shown = LiveSnapshot(
+        state="playing", kind="therapy", repetitions=5, repetition=1, support=1.5, interaction_nm=0.25
+    )
+    facts = dict(facts_of(shown))
+    assert facts["Ripetizione"] == "2 di 5"
+    assert facts["Coppia sulla mano"] == "0,25 Nm"
+    assert "×1,5" in facts["Supporto"]
+    assert "Paziente, pieno" in legend(comparing=True, target=False)
+
+
+@pytest.mark.parametrize("state", get_args(LiveState))
+@pytest.mark.usefixtures("italian")
+def test_no_state_is_said_in_english(state: Any) -> None:
+    for phase in ("", *PHASES):
+        said = verdict_of(LiveSnapshot(state=state, phase=phase)).word
+        speak("en")
+        english = verdict_of(LiveSnapshot(state=state, phase=phase)).word
+        speak(ITALIAN)
+        assert said != english, english
+
+
+def test_each_language_has_a_live_picture_of_its_own() -> None:
+    clinic: Any = SimpleNamespace(live=Desk(LiveSnapshot(state="idle")))
+    screens = Screens(clinic)
+    try:
+        english = screens.live_port()
+        speak(ITALIAN)
+        other = screens.live_port()
+        assert other not in (english, 0)
+        assert screens.live_port() == other
+        viewport = screens._live[ITALIAN]
+        eventually(lambda: "Pronto" in viewport._panel._card.content)
+        speak("en")
+        assert screens.live_port() == english
+        assert "Ready" in screens._live["en"]._panel._card.content
+    finally:
+        speak("en")
+        screens.close()
+
+
+def eventually(true: Callable[[], bool]) -> None:
+    waiting = threading.Event()
+    for _ in range(200):
+        if true():
+            return
+        waiting.wait(0.05)
+    raise AssertionError("it never became true")
+
+
+def test_an_italian_replay_is_moved_by_its_own_buttons() -> None:
+    speak(ITALIAN)
+    try:
+        viewport = ReviewViewport(replay(), "Review", replay())
+    finally:
+        speak("en")  # clicks come on threads that know no language
+    try:
+        transport, second = viewport._transport, viewport._second
+        transport.play(False)
+        assert transport._button.label == "Esegui"
+        assert second is not None
+        second._align.value = second._by_time
+        times = np.array([0.5])
+        assert second.time_s(times) is times
+    finally:
+        viewport.close()
