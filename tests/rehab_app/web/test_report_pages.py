@@ -126,7 +126,10 @@ def test_the_next_step_is_a_therapists(browser, clinic, treated):
     assert "Accepted" in browser("therapist").get(f"/patients/{patient}/next").text
 
 
-@pytest.mark.parametrize(("percent", "kept"), [("80", 0.8), ("62,5", 0.625), ("20", 0.7), ("<b>", 0.7), ("nan", 0.7)])
+AIMS = [("80", 0.8), ("62,5", 0.625), ("20", 0.7), ("<b>", 0.7), ("nan", 0.7)]
+
+
+@pytest.mark.parametrize(("percent", "kept"), AIMS)
 def test_the_aim_is_set_within_bounds(browser, clinic, treated, percent, kept):
     patient, _ = treated
     clinic.proposals.set_target(CONSOLE, 0.7)
