@@ -54,7 +54,7 @@ class Repeatability:
         """
         require(actor, "approve")
         _check_count(len(takes))
-        rows = [measure_file(self._sessions.path(take)) for take in takes]
+        rows = [measure_file(self._sessions.unchanged(take)) for take in takes]
         if len({row.sha256 for row in rows}) < len(rows):
             raise Refused("recordings", "with one named twice", "different ones", "name each once")
         return self._keep(actor, rows, KEY)

@@ -66,7 +66,7 @@ class Reports:
         if not chosen:
             raise Refused("report format", "none", "one of " + ", ".join(FORMATS), "name one with --format")
         targets = self._targets(subjects, chosen, out)
-        paths = [self._sessions.path(subject) for subject in subjects]
+        paths = [self._sessions.unchanged(subject) for subject in subjects]
         report = build_report(paths, passive=self._passive(paths))
         for made, target in zip(chosen, targets, strict=True):
             write_whole(target, made.render(report))
@@ -80,7 +80,7 @@ class Reports:
             Refused: There is no such format or subject, or its file is damaged.
         """
         format_named(format_name)
-        paths = [self._sessions.path(subject) for subject in subjects]
+        paths = [self._sessions.unchanged(subject) for subject in subjects]
         runs = self._passive(paths)
         return (
             aside(_rendered, format_name, paths, runs)

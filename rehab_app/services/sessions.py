@@ -55,6 +55,17 @@ class Sessions:
             self._bring(found)
         return found.path
 
+    def unchanged(self, named: str | Path) -> Path:
+        """As ``path``, for numbers and decisions: a file of the catalogue must be the one that was entered.
+
+        Raises:
+            Refused: As ``path``, or another file lies in its place.
+        """
+        path = self.path(named)
+        if not storage.is_path(named):
+            storage.check_unchanged(f"session or take {named}", path, self._found(str(named)).sha256)
+        return path
+
     def replay(self, named: str | Path) -> Replay:
         """A session or take for the review viewport, at about 50 Hz.
 

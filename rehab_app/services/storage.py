@@ -62,6 +62,22 @@ def digest_beside(path: Path) -> Path:
     return path.with_name(path.name + ".sha256")
 
 
+def check_unchanged(thing: str, path: Path, sha256: str) -> None:
+    """Refuse a sealed file that is not the one that was entered, also where it is whole in itself.
+
+    Args:
+        thing: What is named in the refusal.
+        path: The file.
+        sha256: Its digest when it was entered.
+
+    Raises:
+        Refused: Its digest differs.
+    """
+    met = digest(path)
+    if met != sha256:
+        raise Refused(thing, f"changed (SHA-256 {met[:12]})", sha256[:12], "restore it from a backup")
+
+
 def digest(path: Path) -> str:
     """SHA-256 of a file's bytes, hexadecimal."""
     with path.open("rb") as file:

@@ -221,11 +221,7 @@ class Takes:
         Raises:
             Refused: Its digest differs.
         """
-        met = storage.digest(row.path)
-        if met != row.sha256:
-            raise Refused(
-                f"take {row.id}", f"changed (SHA-256 {met[:12]})", row.sha256[:12], "restore it from a backup"
-            )
+        storage.check_unchanged(f"take {row.id}", row.path, row.sha256)
 
     def _known_hand(self, request: RecordingRequest) -> Subject | None:
         if not request.person:

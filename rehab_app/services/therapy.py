@@ -84,6 +84,7 @@ class Therapy:
                 f"{SHORTEST_S:g} s or longer",
                 "record the movement again",
             )
+        self._takes.check_unchanged(row)
         patient = None if patient_id is None else self._catalogue.patient(patient_id)
         return self._planner.prepare(row, self._takes.motion(row.id), patient, order, __version__)
 
