@@ -15,6 +15,8 @@ from sessions.records.fields import Float64, Int64
 from sessions.records.names import FINGERS, LANDMARKS
 
 PROTOCOLS = ("thesis25", "mocap13", "mediapipe21", "leap20", "fingertips5", "finger_thumb8")
+SEEN_PROTOCOLS = tuple(name for name in PROTOCOLS if name != "leap20")
+"""Those whose markers are points in a picture; what a Leap Motion gives are joints that it has reckoned."""
 """Names of the protocols that come with the application."""
 
 SEGMENTS: tuple[str, ...] = (

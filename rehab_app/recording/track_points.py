@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from rehab_app.geometry.detections import Detections
-from rehab_app.hand.protocol import PROTOCOLS, MarkerProtocol, load_protocol
+from rehab_app.hand.protocol import SEEN_PROTOCOLS, MarkerProtocol, load_protocol
 from rehab_app.recording.detections_file import DetectionsFile, read_detections
 from rehab_app.recording.labels import check_labels
 from rehab_app.recording.progress import Progress
@@ -33,7 +33,7 @@ def protocol_for(file: DetectionsFile, named: str | None) -> MarkerProtocol:
     """
     names = set(file.labels.names) if file.labels else set[str]()
     if named is None:
-        known = [load_protocol(name) for name in PROTOCOLS]
+        known = [load_protocol(name) for name in SEEN_PROTOCOLS]
         # all of its names, else some of the usual protocol's, else some of any other's
         fits = [one for one in known if names and names == set(one.names)]
         fits += [one for one in known if names <= set(one.names)]

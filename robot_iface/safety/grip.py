@@ -12,6 +12,8 @@ LEAST_SHARE = 0.25
 DRIVEN_SHARE = 0.5
 """Of the interaction limit: a loop whose sensors have the wrong sign seems to oppose its speed trip with 0.8
 and more, a spasm that comes to the trip without being a load meets 0.33 at most."""
+AHEAD_SHARE = 1.03
+"""Of the law's torque: its path goes on from tick to tick, what takes its place stands still."""
 _SPRING_SHARE = 0.9
 _NEXT_SHARE = 0.5
 _FAST_SHARE = 0.8
@@ -24,8 +26,9 @@ class Grip:
     A brake that is there at once meets a hand that already moves with a blow: what stops it early loads it
     more than the law would have. So the torque of damping is bounded, joint by joint, by the larger of two:
 
-    - what the last command of the law would give against the motion at this place and this speed: then the
-      hand slows down along the same way as under the law alone, and is loaded by no more than that;
+    - what the last command of the law would give against the motion at this place and at the speed until the
+      next reading, and 3 % more, because the law's path would go on: then the hand slows down along the same
+      way as under the law alone, and is loaded by no more than that;
     - what the device gives now, and as much more as the load has fallen below the highest that there was.
 
     The first leaves the rise of a load as it would be, the second keeps it at its height from then on. Where
@@ -83,19 +86,19 @@ class Grip:
         speed = np.abs(slip)
         gained = np.maximum(speed - np.abs(self._slip_rad_s), 0.0) if self._seen is not None else 0.0
         meant = np.maximum(speed + _NEXT_SHARE * gained, _SLOWEST_RAD_S)  # mean speed until the next tick
-        most = self._most(law, state, slip)
+        most = self._most(law, state, slip, np.copysign(_NEXT_SHARE * gained, slip))
         self.damping_nms_rad = np.minimum(BRAKE_NMS_RAD, most / meant)
         self._seen, self._slip_rad_s = state, slip
         return self.damping_nms_rad
 
-    def _most(self, law: DeviceCommand, state: DeviceState, slip: Float64) -> Float64:
-        """The most torque that may act against a motion now, (J,)."""
+    def _most(self, law: DeviceCommand, state: DeviceState, slip: Float64, gaining: Float64) -> Float64:
+        """The most torque that may act against a motion that gains so much meanwhile, (J,)."""
         load = np.abs(state.tau_interaction_nm)
         self._highest_nm = np.maximum(self._highest_nm, load)
         gives = np.minimum(_against(state.tau_nm, slip), self._allowed_nm) + self._highest_nm - load
         spring = np.clip(law.stiffness_nm_rad * (law.q_rad - state.q_rad), -self._spring_nm, self._spring_nm)
-        damper = law.damping_nms_rad * (law.dq_rad_s - state.dq_rad_s)
-        by_law = np.minimum(_against(spring + damper + law.tau_ff_nm, slip), self._motor_nm)
+        damper = law.damping_nms_rad * (law.dq_rad_s - state.dq_rad_s - gaining)
+        by_law = np.minimum(AHEAD_SHARE * _against(spring + damper + law.tau_ff_nm, slip), self._motor_nm)
         self._allowed_nm = np.maximum(np.maximum(gives, by_law), self._least_nm)
         return self._allowed_nm
 

@@ -50,6 +50,6 @@ def test_the_judge_sees_a_supervisor_that_does_not_brake(
 ) -> None:
     """A judge that finds nothing may be blind: with the brake taken out it must speak."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(Drive, "brake", lambda self: None)
+    monkeypatch.setattr(Drive, "_brake", lambda self, damping_nms_rad: None)
     played = play(7)
     assert any("in mode command in CAT1" in failure for failure in played.failures)

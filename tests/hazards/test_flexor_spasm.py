@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Callable
 from typing import Any
@@ -9,13 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robot_iface.control import thesis_gains
-from robot_iface.control.impedance import SPRING_SHARE
-from robot_iface.safety import shipped_limits
-from robot_iface.types import CommandMode, DeviceCommand, SafetyState
+from robot_iface.control import Goal
+from robot_iface.motion import PathState, Setpoint
+from robot_iface.types import DeviceCommand, SafetyState
 
 SPASM_AT_S = 0.6
 HAND = {"q_rad": 0.8, "rest_rad": 0.8, "stiffness": 0.2}
+ROUNDING = 1e-6
 OPENING, CLOSING = np.deg2rad(-15.0), np.deg2rad(30.0)
 
 
@@ -69,28 +70,37 @@ def unsupervised(
     at_s: float = SPASM_AT_S,
     stiffness: float = HAND["stiffness"],
 ) -> tuple[float, float]:
-    """Peak speed and peak interaction torque with the same law, bounded by the motors alone.
+    """Peak speed and peak interaction torque with the same law on the same path, bounded by the motors alone.
 
     The same law, and not motors without torque: those do not load a hand at all, so that no brake, and no
     robot, would be better than none.
     """
-    effort = spasm(size_nm, duration_s, clonus_hz, at_s)
-    hand = rigid.RigidHand(effort=effort, **(HAND | {"stiffness": stiffness}))
-    gains = thesis_gains(rigid.NAMES).scaled(3.0)
-    most = SPRING_SHARE * shipped_limits(rigid.NAMES, np.zeros(3), np.full(3, 1.6)).tau_interaction_nm
-    goal, speeds, loads = hand.q.copy(), [], []
+    rig = rigid.Rig(ramp_s=0.05, **(HAND | {"stiffness": stiffness}))
+    rig.go_active()  # the path begins when the robot follows, as with a supervisor
+    first = rig.hand.tick
+    hand = rigid.RigidHand(
+        effort=spasm(size_nm, duration_s, clonus_hz, at_s), **(HAND | {"stiffness": stiffness})
+    )
     hand.enable()
+    goal, speeds, loads = hand.q.copy(), [], []
     for tick in range(round((at_s + duration_s) / rigid.PERIOD_S)):
-        speed = speed_rad_s if tick >= 54 else 0.0
+        speed = np.full(3, speed_rad_s if tick >= first else 0.0)
         goal = goal + speed * rigid.PERIOD_S
-        spring = np.clip(gains.stiffness_nm_rad * (goal - hand.q), -most, most)
-        torque = np.clip(spring + gains.damping_nms_rad * (speed - hand.dq), -0.6, 0.6)
-        zeros = np.zeros(3)
-        hand.write(DeviceCommand(CommandMode.TORQUE, zeros, zeros, torque, zeros, zeros, 0))
+        setpoint = Setpoint(goal, speed, np.zeros(3))
+        wanted = Goal(setpoint, np.full(3, 3.0), np.zeros(3), PathState(0.0, 0.0, 0.0, False))
+        hand.write(within_motors(hand, rig.law.command(hand.read(), wanted, 1.0, tick)))
         hand.step()
         speeds.append(np.abs(hand.dq).max())
         loads.append(np.abs(hand.tau - rigid.ROTOR * hand.ddq).max())
     return float(np.max(speeds)), float(np.max(loads))
+
+
+def within_motors(hand: Any, request: DeviceCommand) -> DeviceCommand:
+    """The request as motors of 0.6 Nm give it."""
+    spring = request.stiffness_nm_rad * (request.q_rad - hand.q)
+    torque = spring + request.damping_nms_rad * (request.dq_rad_s - hand.dq) + request.tau_ff_nm
+    given = np.clip(torque, -0.6, 0.6)
+    return dataclasses.replace(request, tau_ff_nm=request.tau_ff_nm + given - torque)
 
 
 MAP = [
@@ -105,15 +115,15 @@ MAP = [
 def test_the_supervisor_never_makes_a_spasm_worse(
     rigid: Any, size_nm: float, duration_s: float, clonus_hz: float, phase: float
 ) -> None:
-    """Neither peak is above that of the law alone, within 1 % of torque and 2 % of speed.
+    """Neither peak of a spasm is above that of the law alone; a weak clonus may be 3 % faster.
 
-    The 2 % are a clonus of 0.1 Nm; every single spasm is within 1 %.
+    Between its beats a load has been gone back on, after which the robot pushes with half its torque.
     """
     rig = supervised(rigid, spasm(size_nm, duration_s, clonus_hz), phase, duration_s)
     speed, torque = peaks(rig)
     alone_speed, alone_torque = unsupervised(rigid, size_nm, duration_s, clonus_hz, phase)
-    assert speed <= (1.01 if clonus_hz == 0.0 else 1.02) * alone_speed
-    assert torque <= 1.01 * alone_torque
+    assert speed <= (1.0 + ROUNDING if clonus_hz == 0.0 else 1.03) * alone_speed
+    assert torque <= (1.0 + ROUNDING) * alone_torque
     if size_nm > 0.25:
         assert rig.supervisor.state in (SafetyState.COMPLIANT, SafetyState.CAT1)
 
@@ -131,7 +141,7 @@ def test_nor_one_that_nothing_was_tuned_on(rigid: Any, seed: int) -> None:
     rig = supervised(rigid, effort, phase, duration_s, at_s, stiffness=stiffness)
     speed, torque = peaks(rig)
     alone = unsupervised(rigid, size_nm, duration_s, clonus_hz, phase, at_s, stiffness)
-    assert speed <= 1.06 * alone[0]
+    assert speed <= 1.03 * alone[0]
     assert torque <= 1.05 * alone[1]
 
 

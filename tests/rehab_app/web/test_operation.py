@@ -174,11 +174,11 @@ def test_who_may_read_the_figures(clinic, browser, address, headers, token, stat
 def test_a_queue_can_be_watched(clinic, browser):
     app = app_of(clinic)
     waiting = [1, 2]
-    app.state.meters.watch("rehab_uploads_waiting", "Recordings that wait.", lambda: float(len(waiting)))
+    app.state.meters.watch("rehab_any_waiting", "Anything that waits.", lambda: float(len(waiting)))
     visitor = browser(app=app, address="127.0.0.1")
-    assert figures(visitor.get("/metrics").text)[("rehab_uploads_waiting",)] == 2
+    assert figures(visitor.get("/metrics").text)[("rehab_any_waiting",)] == 2
     waiting.clear()
-    assert figures(visitor.get("/metrics").text)[("rehab_uploads_waiting",)] == 0
+    assert figures(visitor.get("/metrics").text)[("rehab_any_waiting",)] == 0
 
 
 def test_a_cause_is_nobody():

@@ -45,6 +45,23 @@ def test_a_trembling_hand_stays_braked_until_it_is_really_still(rigid: Any) -> N
     assert rig.hand.mode == "off"
 
 
+def test_each_brake_has_all_of_its_time(rigid: Any) -> None:
+    """A hand that trembled for 4.5 s after one run is braked for 5 s anew when the next one is stopped."""
+    rig = rigid.Rig(ramp_s=0.05, stiffness=0.0, effort=lambda t_s: 0.03 * np.sin(10 * np.pi * t_s))
+    rig.go_active()
+    rig.run(100)
+    rig.supervisor.finish()
+    rig.run(4500)
+    assert rig.hand.mode == "brake"
+    rig.supervisor.enable_edge()
+    rig.run(100)
+    rig.button.down = True
+    rig.run(4900)
+    assert rig.hand.mode == "brake"
+    rig.run(200)
+    assert rig.hand.mode == "off"
+
+
 def stopped_in_a_spasm(rigid: Any, lasts_s: float) -> Any:
     """A spasm of 0.3 Nm comes at 0.3 s, stop is pressed 0.2 s later, while the spasm holds the hand still."""
     rig = rigid.Rig(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robot_iface.safety.grip import LEAST_SHARE, Grip, drives
+from robot_iface.safety.grip import AHEAD_SHARE, DRIVEN_SHARE, LEAST_SHARE, Grip, drives
 from robot_iface.types import CommandMode, DeviceCommand, SafetyState
 
 FULL_NMS_RAD = 0.15
@@ -45,7 +45,7 @@ def test_its_torque_is_at_most_that_of_the_law_at_this_place_and_speed(
     limit = rigid.Rig().limits.tau_interaction_nm
     state = reading(rigid, q_rad=0.8, dq_rad_s=way * speed, tau_interaction_nm=-0.3 * way)
     damping = begun(rigid, law(0.8 - 0.3 * way)).update(state)
-    by_law = np.minimum(0.9 * 0.3, 0.9 * limit) + 0.035 * speed
+    by_law = AHEAD_SHARE * (np.minimum(0.9 * 0.3, 0.9 * limit) + 0.035 * speed)
     assert np.all(damping * speed <= np.minimum(np.maximum(by_law, LEAST_SHARE * limit), 0.6) + 1e-12)
     assert np.all(damping <= FULL_NMS_RAD)
     if speed <= 0.1:
@@ -61,8 +61,9 @@ def test_what_the_law_would_give_is_its_spring_and_its_damper_at_this_place_and_
     state = reading(rigid, q_rad=0.8, dq_rad_s=way * 5.0)
     for stiffness in (0.3, 10.0):
         spring_nm = np.minimum(stiffness * 0.4, 0.9 * rig.limits.tau_interaction_nm)
-        command = dataclasses.replace(law(0.8 - 0.4 * way, stiffness, 0.02), dq_rad_s=ZEROS + way)
-        allowed = np.minimum(spring_nm + 0.02 * 4.0, rig.limits.tau_nm)
+        command = law(0.8 - 0.4 * way, stiffness, 0.02)
+        command = dataclasses.replace(command, dq_rad_s=ZEROS + way, tau_ff_nm=ZEROS - 0.03 * way)
+        allowed = np.minimum(AHEAD_SHARE * (spring_nm + 0.02 * 4.0 + 0.03), rig.limits.tau_nm)
         assert begun(rigid, command).update(state) * 5.0 == pytest.approx(allowed)
 
 
@@ -98,6 +99,28 @@ def test_a_hand_that_grows_faster_is_damped_for_the_middle_of_the_tick(rigid: An
     assert damping * 5.5 == pytest.approx(0.2)
 
 
+def test_a_hand_that_slows_down_is_damped_for_the_speed_that_it_has(rigid: Any) -> None:
+    grip = begun(rigid, law(0.8, 0.0, 0.0))
+    grip.update(reading(rigid, dq_rad_s=5.0, tau_nm=-0.2, tau_interaction_nm=-0.4))
+    damping = grip.update(reading(rigid, dq_rad_s=4.0, tau_nm=-0.2, tau_interaction_nm=-0.4))
+    assert damping * 4.0 == pytest.approx(0.2)
+
+
+def test_a_torque_along_the_motion_counts_as_none(rigid: Any) -> None:
+    """What is made up for a fallen load is added to nothing, not taken from what does not brake."""
+    grip = begun(rigid, law(0.8, 0.0, 0.0))
+    grip.update(reading(rigid, dq_rad_s=5.0, tau_nm=-0.2, tau_interaction_nm=-0.4))
+    damping = grip.update(reading(rigid, dq_rad_s=5.0, tau_nm=0.1, tau_interaction_nm=-0.3))
+    assert damping * 5.0 == pytest.approx(0.1)
+
+
+def test_the_laws_damper_is_asked_for_the_same_middle(rigid: Any) -> None:
+    grip = begun(rigid, law(0.8, 0.0, 0.04))
+    grip.update(reading(rigid, dq_rad_s=4.0))
+    damping = grip.update(reading(rigid, dq_rad_s=5.0))
+    assert damping * 5.5 == pytest.approx(AHEAD_SHARE * 0.04 * 5.5)
+
+
 def test_one_reading_is_answered_alike_and_what_is_begun_goes_on(rigid: Any) -> None:
     grip = begun(rigid, law(0.8, 0.0, 0.0))
     state = reading(rigid, dq_rad_s=5.0, tau_nm=-0.2, tau_interaction_nm=-0.4)
@@ -122,6 +145,10 @@ def test_who_drives_is_told_by_the_load_and_by_what_the_motor_gives(rigid: Any, 
     limit = rigid.Rig().limits.tau_interaction_nm
     led = reading(rigid, dq_rad_s=way * 4.0, tau_interaction_nm=-way * limit, tau_nm=-0.3 * way * limit)
     assert drives(led, limit)
+    unloaded = dataclasses.replace(led, tau_interaction_nm=0.0 * limit)
+    assert not drives(unloaded, limit)
+    at_the_bound = dataclasses.replace(led, tau_nm=-DRIVEN_SHARE * way * limit)
+    assert not drives(at_the_bound, limit)
     runs_away = dataclasses.replace(led, tau_interaction_nm=way * limit)
     assert not drives(runs_away, limit)
     wrong_sign = dataclasses.replace(led, tau_nm=-0.8 * way * limit)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from robot_iface.errors import Refused
+from robot_iface.safety import Supervisor
 from robot_iface.types import SafetyState
 
 
@@ -269,3 +270,12 @@ def test_a_stretch_is_held_only_while_the_hand_itself_rests(
     assert rig.causes() == []
     rig.run(20)
     assert rig.causes() == (["held-stretch"] if held and share > 0.5 else [])
+
+
+def test_torque_comes_back_over_a_second_unless_something_else_is_said(rigid: Any) -> None:
+    rig = rigid.Rig()
+    rig.supervisor = Supervisor(rig.hand, rig.limits, rig.button, rigid.PERIOD_NS)
+    rig.go_active()
+    shares = [outcome.ramp for outcome in rig.outcomes if outcome.safety_state is SafetyState.RAMP_IN]
+    assert len(shares) == pytest.approx(1000, abs=2)
+    assert np.all(np.diff(shares) > 0.0)
