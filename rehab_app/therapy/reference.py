@@ -9,7 +9,7 @@ import numpy as np
 from rehab_app.hand.subject import on_side
 from rehab_app.recording.take import SHORTEST_S, HandMotion, too_short
 from rehab_app.therapy.angle_fit import fit_angles
-from rehab_app.therapy.reference_notes import gap_notes, trim_notes
+from rehab_app.therapy.reference_notes import gap_notes, stillness_notes, trim_notes
 from rehab_app.therapy.reference_place import Placed, place
 from rehab_app.therapy.reference_retiming import MOST, Retimed, retime
 from rehab_app.therapy.reference_speed import fastest
@@ -115,12 +115,20 @@ def build_reference(
     timed = Retimed(path, path.t_s, "") if speed is None else retime(path, limits, speed, span_s[0])
     fastest_speed, reason = fastest(QuinticPath(timed.path), limits)
     timing = (timed.note,) if timed.note else ()
+    still = stillness_notes(driven_joints, timed.path.q_rad)
     return BuiltReference(
         path=timed.path,
         residual_m=placed.residual_m,
         fastest_speed=fastest_speed,
         fastest_reason=reason,
-        notes=(*timing, *smoothed, *trim_notes(motion, span_s), *gap_notes(motion, driven), *placed.notes),
+        notes=(
+            *still,
+            *timing,
+            *smoothed,
+            *trim_notes(motion, span_s),
+            *gap_notes(motion, driven),
+            *placed.notes,
+        ),
         take_start_s=span_s[0],
         take_t_s=span_s[0] + timed.from_s,
     )

@@ -13,6 +13,8 @@ CLIP_NOTE_RAD = float(np.deg2rad(1.0))
 """From where on a clip to the limits is worth a sentence."""
 GAP_NOTE_S = 0.5
 """From where on a bridged gap is worth one."""
+MOVES_RAD = float(np.deg2rad(5.0))
+"""Less than this of every joint is no exercise."""
 
 
 def trim_notes(motion: HandMotion, span_s: tuple[float, float]) -> tuple[str, ...]:
@@ -39,6 +41,23 @@ def gap_notes(motion: HandMotion, driven: Int64) -> tuple[str, ...]:
                 "the gap is bridged smoothly."
             )
     return tuple(notes)
+
+
+def stillness_notes(names: tuple[str, ...], path_rad: Float64) -> tuple[str, ...]:
+    """A path that is hardly a movement: a countdown was cut off, or the hand waited.
+
+    Args:
+        names: The J driven joints.
+        path_rad: Angles of the path, shape (K, J).
+    """
+    travels = np.ptp(path_rad, axis=0)
+    most = int(np.argmax(travels))
+    if travels[most] >= MOVES_RAD:
+        return ()
+    return (
+        f"The take hardly moves: {names[most]} travels furthest, {np.rad2deg(travels[most]):.0f} deg; a start of "
+        f"the patient's own is seen from {np.rad2deg(MOVES_RAD):.0f} deg on.",
+    )
 
 
 def clip_notes(names: tuple[str, ...], wish_rad: Float64, limits: Limits) -> tuple[str, ...]:

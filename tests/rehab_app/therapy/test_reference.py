@@ -101,6 +101,14 @@ def test_still_ends_are_trimmed_and_said_so() -> None:
     assert not any("trimmed" in note for note in whole.notes)
 
 
+@pytest.mark.parametrize(("reach_deg", "told"), [(3.0, True), (8.0, False)])
+def test_a_take_that_hardly_moves_is_told_first(reach_deg: float, told: bool) -> None:
+    built = build(motion(*closing(reach_rad=np.deg2rad(reach_deg))))
+    said = [note for note in built.notes if "hardly moves" in note]
+    assert bool(said) is told
+    assert not told or (built.notes[0] == said[0] and " 3 deg" in said[0])
+
+
 @pytest.mark.parametrize("still_s", [0.0, 2.0])
 def test_the_path_begins_and_ends_at_rest(still_s: float) -> None:
     t_s, joints = closing(still_s=still_s)
