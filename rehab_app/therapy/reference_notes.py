@@ -55,8 +55,8 @@ def stillness_notes(names: tuple[str, ...], path_rad: Float64) -> tuple[str, ...
     if travels[most] >= MOVES_RAD:
         return ()
     return (
-        f"The take hardly moves: {names[most]} travels furthest, {np.rad2deg(travels[most]):.0f} deg; a start of "
-        f"the patient's own is seen from {np.rad2deg(MOVES_RAD):.0f} deg on.",
+        f"The take hardly moves: {names[most]} travels furthest, {np.rad2deg(travels[most]):.0f} deg; "
+        f"a start of the patient's own is seen from {np.rad2deg(MOVES_RAD):.0f} deg on.",
     )
 
 
