@@ -8,7 +8,7 @@ DEV_STAMP := $(VENV)/.installed-dev
 PYTEST := $(BIN)/python -m pytest
 WORKERS ?= 2
 
-.PHONY: demo test check bench bench-tracking bench-motion fuzz durability mutate messages examples tools clean
+.PHONY: demo test check bench bench-tracking bench-motion fuzz durability soak mutate messages examples screens tools clean
 
 demo: $(STAMP)
 	@$(BIN)/rehab-app demo --serve
@@ -35,10 +35,17 @@ bench-tracking: $(DEV_STAMP)
 fuzz: $(DEV_STAMP)
 	$(BIN)/python -m tests.bench.motion.fuzz
 
-# A thousand recordings killed at random moments, and a hundred migrations, backups, restorings and erasures.
+# A thousand recordings killed at random moments, and a hundred migrations, backups, restorings and erasures;
+# then the disk is full a hundred times in each.
 durability: $(DEV_STAMP)
 	$(BIN)/python -m tests.bench.durability.kills --kills 1000
 	$(BIN)/python -m tests.bench.durability.acts --kills 100
+	$(BIN)/python -m tests.bench.durability.full_disk --times 100
+	$(BIN)/python -m tests.bench.durability.full_disk --times 300
+
+# Eight hours of clinic, most of an hour on the wall.
+soak: $(DEV_STAMP)
+	$(BIN)/python -m tests.bench.soak.clinic_day --hours 8
 
 # In a copy: cosmic-ray changes the sources that it tests. MUTANTS=0 tries them all, which takes hours.
 MUTANTS ?= 200
@@ -53,13 +60,17 @@ messages: $(DEV_STAMP)
 examples: $(STAMP)
 	$(BIN)/rehab-app demo --examples docs/examples
 
+# Every page of an example clinic in a picture; SCREENS="patient live" draws only those.
+screens: $(DEV_STAMP)
+	$(BIN)/python -m tests.screens.draw $(SCREENS)
+
 tools:
 	@bash tests/install-tools.sh
 
 $(STAMP): pyproject.toml
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: install Python 3.11 to 3.13 (Debian: sudo apt-get install python3 python3-venv) and run make again." >&2; exit 1; }
 	@$(PYTHON) -c 'import sys; sys.exit(0 if (3, 11) <= sys.version_info[:2] <= (3, 13) else "Python is %d.%d, but must be 3.11 to 3.13: run make with PYTHON=python3.12 or the like." % sys.version_info[:2])'
-	@$(PYTHON) -m venv --clear $(VENV) >/dev/null 2>&1 \
+	@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(PYTHON) -m venv --clear $(VENV) >/dev/null 2>&1 \
 	  || { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && apt-get update -qq \
 	       && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq python3-venv >/dev/null && $(PYTHON) -m venv --clear $(VENV); } \
 	  || { echo "$(PYTHON) cannot make a virtual environment: install python3-venv (Debian: sudo apt-get install python3-venv) and run make again." >&2; exit 1; }

@@ -1,7 +1,7 @@
 """The one place that chooses implementations: opens a clinic folder and wires its services.
 
 A new service: a property in ``rehab_app.services.wiring`` (or ``wiring_records``), which says what it is
-built of, a field in ``Clinic``, and its line below. The server builds all of them before it answers, a
+built of, and a field of the same name in ``Clinic``. The server builds all of them before it answers, a
 command only what it uses.
 """
 
@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import errno
 import socket
+from dataclasses import fields
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rehab_app import __version__
 from rehab_app.config import Settings, load_settings, resolve_folder
@@ -40,54 +43,29 @@ def open_clinic(
     held = load_settings(place).settings if settings is None else settings
     lease = ServerLease(place.lease) if serving else None
     wiring = Wiring(place, serving, held)
+    wiring.outbox.bring()
     wiring.erasures.finish()
     wiring.audit.start()
     if serving:
         wiring.build_all()
+        wiring.stations.start()
+        wiring.outbox.start()
     return _clinic(wiring, lease)
 
 
 def _clinic(wiring: Wiring, lease: ServerLease | None) -> Clinic:
-    return Clinic(
-        folder=wiring.place.root,
-        catalogue=wiring.catalogue,
-        version=__version__,
-        settings=wiring.settings,
-        audit=wiring.audit,
-        accounts=later(lambda: wiring.accounts),
-        patients=later(lambda: wiring.patients),
-        clinical=later(lambda: wiring.clinical),
-        journal=later(lambda: wiring.journal),
-        outcomes=later(lambda: wiring.outcomes),
-        limits=later(lambda: wiring.limits),
-        limit_history=later(lambda: wiring.limit_history),
-        calibrations=later(lambda: wiring.calibrations),
-        hands=later(lambda: wiring.hands),
-        takes=later(lambda: wiring.takes),
-        approvals=later(lambda: wiring.approvals),
-        exercises=later(lambda: wiring.exercises),
-        plans=later(lambda: wiring.plans),
-        devices=later(lambda: wiring.devices),
-        marker_names=later(lambda: wiring.marker_names),
-        retouching=later(lambda: wiring.retouching),
-        therapy=later(lambda: wiring.therapy),
-        assessment=later(lambda: wiring.assessment),
-        protocols=later(lambda: wiring.protocols),
-        sessions=later(lambda: wiring.sessions),
-        reports=later(lambda: wiring.reports),
-        progress=later(lambda: wiring.progress),
-        proposals=later(lambda: wiring.proposals),
-        repeatability=later(lambda: wiring.repeatability),
-        recompute=later(lambda: wiring.recompute),
-        norms=later(lambda: wiring.norms),
-        privacy=later(lambda: wiring.privacy),
-        live=later(lambda: wiring.live),
-        runner=later(lambda: wiring.runner),
-        interrupted=later(lambda: wiring.interrupted),
-        uploads=later(lambda: wiring.uploads),
-        lease=lease,
-        closing=wiring.closing,
-    )
+    """Each service stands under its name in the wiring, and is built when it is first used."""
+    held: dict[str, Any] = {
+        "folder": wiring.place.root,
+        "catalogue": wiring.catalogue,
+        "version": __version__,
+        "settings": wiring.settings,
+        "audit": wiring.audit,
+        "lease": lease,
+        "closing": wiring.closing,
+    }
+    services = [one.name for one in fields(Clinic) if one.name not in held]
+    return Clinic(**held, **{name: later(partial(getattr, wiring, name)) for name in services})
 
 
 def check_port(host: str, port: int) -> None:

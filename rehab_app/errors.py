@@ -7,8 +7,8 @@ here they meet. The application raises that of ``sessions``; whoever catches, ca
 from __future__ import annotations
 
 from robot_iface.errors import Refused as RobotRefused
-from sessions.errors import Refused
+from sessions.errors import NoAnswer, Refused
 
-__all__ = ["REFUSALS", "Refused", "RobotRefused"]
+__all__ = ["REFUSALS", "NoAnswer", "Refused", "RobotRefused"]
 
 REFUSALS = (Refused, RobotRefused)

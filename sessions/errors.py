@@ -19,3 +19,7 @@ class Refused(Exception):
         self.value = value
         self.bound = bound
         self.remedy = remedy
+
+
+class NoAnswer(Refused):
+    """The data base does not answer: what was asked of it may be asked again later, unchanged."""

@@ -75,6 +75,12 @@ class PostgresServer:
         """Take it away from whoever is connected."""
         self._run("pg_ctl", "-w", "-m", "immediate", "stop")
 
+    def processes(self) -> tuple[int, ...]:
+        """Every process of the server, its connections' among them."""
+        first = int((self._folder / "data" / "postmaster.pid").read_text().split()[0])
+        children = Path(f"/proc/{first}/task/{first}/children").read_text().split()
+        return (*(int(child) for child in children), first)
+
     def remove(self) -> None:
         """Stop it and forget what it held."""
         try:

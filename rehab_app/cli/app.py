@@ -25,6 +25,7 @@ from rehab_app.cli.refusals import Commands
 from rehab_app.cli.repeatability import repeatability
 from rehab_app.cli.report import report
 from rehab_app.cli.retouch import retouch
+from rehab_app.cli.stations import stations
 from rehab_app.cli.store import store
 
 app = typer.Typer(
@@ -86,6 +87,7 @@ app.command("info")(files.info)
 app.command("verify")(files.verify)
 app.command("recover")(files.recover)
 app.command("migrate")(migrate)
+app.command("stations")(stations)
 app.command("backup")(privacy.backup)
 app.command("restore")(privacy.restore)
 app.command("export")(privacy.export)

@@ -16,7 +16,10 @@ from rehab_app.bootstrap import check_port
 from rehab_app.config import KEYS, ClinicFolder, load_settings
 from rehab_app.errors import Refused
 from rehab_app.services.object_queue import ErrandQueue
+from rehab_app.services.outbox_folder import OutboxFolder
+from rehab_app.services.station_clock import TRIPS, ClockOffset, clock_warning, offset_of, offset_words
 from robot_iface.build import real_device_advice
+from sessions.catalogue import Catalogue
 from sessions.store import partials
 
 _SPACE_BYTES = 1_000_000_000
@@ -62,6 +65,8 @@ def examine(folder: ClinicFolder, port: int) -> tuple[Finding, ...]:
         _settings(folder),
         *_unsealed(folder),
         *_object_store(folder),
+        *_outbox(folder),
+        *_stations(folder),
         *_real_hand(),
     )
 
@@ -168,6 +173,42 @@ def _object_store(folder: ClinicFolder) -> Iterator[Finding]:
         found = f"{waiting} recordings or deletions wait. {trouble}".strip()
         remedy = "rehab-app store push tries again now" if trouble else ""
         yield Finding("object store", not trouble, found, remedy, {"waiting": float(waiting)})
+
+
+def _stations(folder: ClinicFolder) -> Iterator[Finding]:
+    """How this machine's clock stands to the data base's, and the other stations'; nothing is changed."""
+    try:
+        settings = load_settings(folder).settings
+        catalogue = Catalogue.look(folder.root, settings.catalogue_url)
+        if catalogue is None:
+            return
+        with catalogue:
+            own, others = offset_of(catalogue.clock_trips(TRIPS)), catalogue.stations()
+    except Refused as refusal:
+        yield Finding("stations", False, str(refusal), "the clocks could not be compared")
+        return
+    name = settings.station_name
+    figures = {"offset_s": own.offset_ns / 1e9, "uncertainty_s": own.uncertainty_ns / 1e9}
+    warning = clock_warning(name, own)
+    words = f"{name}: its clock is {offset_words(own)}; {len(others)} known on this catalogue"
+    yield Finding("stations", not warning, words, warning, figures)
+    for one in others:
+        warning = clock_warning(one.name, ClockOffset(one.offset_ns, one.uncertainty_ns))
+        if warning and one.name != name:
+            yield Finding("stations", False, f"{one.name}: its clock is off", warning)
+
+
+def _outbox(folder: ClinicFolder) -> Iterator[Finding]:
+    """What waits for the catalogue of a server, and what was set aside; nothing where neither is."""
+    outbox = OutboxFolder(folder.root)
+    waiting = len(outbox.names())
+    if waiting:
+        found = f"{waiting} records wait until the data base of the clinic answers"
+        yield Finding("outbox", True, found, figures={"waiting": float(waiting)})
+    for one in outbox.aside():
+        found = f"{one.name} was set aside: {one.why}"
+        remedy = f"see to what it says, then delete it from {outbox.folder.name}/aside of the clinic folder"
+        yield Finding("outbox", False, found, remedy)
 
 
 def _real_hand() -> Iterator[Finding]:

@@ -16,6 +16,7 @@ from rehab_app.errors import Refused
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.order import Order
 from rehab_app.services.retouching import Wish
+from rehab_app.services.rows import ImportedSummary
 
 ENVIRONMENT = "REHAB_SHARED_DATA"
 SPEED = 0.5
@@ -74,6 +75,14 @@ def make_examples(out: Path, seed: int, say: Callable[[str], None]) -> list[Path
     return made
 
 
+def _imported(clinic: Clinic, example: Example, file: Path) -> ImportedSummary:
+    """The take, whose exercise is called after the example and not after the file."""
+    with tempfile.TemporaryDirectory() as folder:
+        named = Path(folder) / f"{example.name.replace('-', '_')}{file.suffix}"
+        shutil.copyfile(file, named)
+        return clinic.takes.import_file(named, actor=CONSOLE, side="right")
+
+
 def recordings() -> Path:
     """Folder of the real recordings, which are not part of the project.
 
@@ -96,7 +105,7 @@ def recordings() -> Path:
 def _make(
     clinic: Clinic, example: Example, file: Path, out: Path, seed: int, say: Callable[[str], None]
 ) -> list[Path]:
-    summary = clinic.takes.import_file(file, actor=CONSOLE, side="right")
+    summary = _imported(clinic, example, file)
     played = summary.take
     if example.scale:
         wish = Wish(scale=example.scale)

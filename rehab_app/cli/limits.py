@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 
 limits = typer.Typer(cls=Commands, help="What a patient's joints may be asked today.", no_args_is_help=True)
 Joint: TypeAlias = Annotated[str, typer.Argument(metavar="JOINT", help="Driven joint, such as index_pip.")]
+Since: TypeAlias = Annotated[
+    int | None,
+    typer.Option("--since", help="Version of the limits that you read; another one now is refused."),
+]
 Reason: TypeAlias = Annotated[str, typer.Option("--reason", help="Why; needed to allow more than holds.")]
 
 
@@ -59,6 +63,7 @@ def raise_(
     reason: Reason = "",
     robot: Robot = "exoskeleton",
     wrist_deg: WristDegrees = 0.0,
+    since: Since = None,
     by: By = "",
     data: Data = None,
     json: Json = False,
@@ -77,6 +82,7 @@ def raise_(
             reason=reason,
             device=robot,
             wrist_rad=math.radians(wrist_deg),
+            since=since,
         )
     output.result(tell_limits(output, patient_id, robot, today))
 
@@ -90,6 +96,7 @@ def range_(
     reason: Reason = "",
     robot: Robot = "exoskeleton",
     wrist_deg: WristDegrees = 0.0,
+    since: Since = None,
     by: By = "",
     data: Data = None,
     json: Json = False,
@@ -109,6 +116,7 @@ def range_(
             reason=reason,
             device=robot,
             wrist_rad=math.radians(wrist_deg),
+            since=since,
         )
     output.result(tell_limits(output, patient_id, robot, today))
 
@@ -248,6 +256,7 @@ def _limits_json(
     return {
         "patient": patient_id,
         "robot": robot,
+        "version": today.version,
         "measured": today.measured,
         "measured_utc_ns": held.measured_utc_ns or None,
         "expires_utc_ns": held.expires_utc_ns or None,

@@ -25,6 +25,9 @@ def progress(
     out: Annotated[
         Path | None, typer.Option("--out", help="Folder, or file for one format.", show_default=False)
     ] = None,
+    language: Annotated[
+        str, typer.Option("--language", help="Language of html, pdf and note: en or it.")
+    ] = "en",
     data: Data = None,
     json: Json = False,
 ) -> None:
@@ -47,7 +50,7 @@ def progress(
                 raise Refused("comparison", f"of {found.subject_id}", f"of {known.id}", "name their sessions")
         else:
             found = clinic.progress.of_patient(known.id, output.say)
-        made = clinic.progress.write(found, wanted, out, CONSOLE)
+        made = clinic.progress.write(found, wanted, out, CONSOLE, language)
     for path in made:
         output.say(f"Progress: {path}")
     output.result({**progress_object(found), "files": list(made)})

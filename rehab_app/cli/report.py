@@ -25,6 +25,9 @@ def report(
         Path | None,
         typer.Option("--verify", help="A report (JSON): make it again from SESSION.", show_default=False),
     ] = None,
+    language: Annotated[
+        str, typer.Option("--language", help="Language of html, pdf and note: en or it.")
+    ] = "en",
     data: Data = None,
     json: Json = False,
 ) -> None:
@@ -40,7 +43,7 @@ def report(
         return
     wanted = [name.strip() for name in formats.split(",") if name.strip()]
     with open_clinic(data) as clinic:
-        made = clinic.reports.report(sessions, wanted, out, actor=CONSOLE)
+        made = clinic.reports.report(sessions, wanted, out, actor=CONSOLE, language=language)
         content: dict[str, Any] = msgspec.json.decode(clinic.reports.json(*sessions)) if json else {}
     for path in made:
         output.say(f"Report: {path}")

@@ -47,6 +47,7 @@ class TakeOrder:
         subject_id: Pseudonym of the person, empty if unknown.
         consent_images: Whether the person consented to images being stored: they are, then.
         calibration_digest: Digest of the camera's calibration; empty for that of its intrinsics alone.
+        station: JSON of the station that records, and how its clock stands; may be empty.
 
     Raises:
         Refused: The side or the length is out of bounds.
@@ -60,6 +61,7 @@ class TakeOrder:
     subject_id: str = ""
     consent_images: bool = False
     calibration_digest: str = ""
+    station: str = ""
 
     def __post_init__(self) -> None:
         if self.side not in SIDES:
@@ -200,6 +202,7 @@ class _Recording:
             calibration_digest=order.calibration_digest or camera.intrinsics.digest,
             subject_id=order.subject_id,
             consent_images=order.consent_images,
+            station=order.station,
         )
         self._writing = TakeWriting(facts, protocol)
         self._behind = Behind()

@@ -39,6 +39,7 @@ class TakeFacts:
         subject_id: Pseudonym of the person, empty if unknown.
         consent_images: Whether images may be stored.
         parents: Digests of the files that it was made from.
+        station: JSON of the station that records, and how its clock stands; may be empty.
     """
 
     path: Path
@@ -50,6 +51,7 @@ class TakeFacts:
     subject_id: str = ""
     consent_images: bool = False
     parents: tuple[str, ...] = ()
+    station: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,6 +176,7 @@ class TakeWriting:
             subject_hand=subject_to_json(subject),
             consent_images=facts.consent_images,
             parents=facts.parents,
+            station=facts.station,
         )
 
 

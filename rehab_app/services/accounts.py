@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from rehab_app.access import CONSOLE, Account, RateLimit, Verb, hash_password, require, verify_password
 from rehab_app.access.roles import role_named
-from rehab_app.errors import Refused
+from rehab_app.errors import NoAnswer, Refused
 from rehab_app.services.audit import Audit
 from rehab_app.services.own_patients import OwnPatients
 from rehab_app.services.sign_ins import SignIns
@@ -37,6 +37,7 @@ class Accounts:
         self._audit = audit
         self._limit = RateLimit(_FAILURES, _WINDOW_S, time.monotonic)
         self._decoy = ""
+        self._last: dict[str, User] = {}
         self._changing = threading.Lock()  # two administrators must not demote each other at one moment
         self.sign_ins = SignIns(catalogue)
         self.own_patients = OwnPatients(catalogue, audit)
@@ -73,17 +74,19 @@ class Accounts:
         Raises:
             Refused: As of ``sign_in``.
         """
-        account = _account(self._proven(name, password))
+        account = _account(self._proven(name, password, again=True))
         self._audit.note_later(account.name, "unlock")
         return account
 
     def account(self, name: str) -> Account:
         """The active account of that name (a signed cookie carries only the name).
 
+        While the catalogue does not answer, somebody who is signed in goes on as known last.
+
         Raises:
             Refused: There is none, or it is closed.
         """
-        user = self._find(name)
+        user = self._find_again(name)
         if user is None or not user.active:
             raise Refused(f"user {name!r}", "unknown or closed", "an active account", "sign in again")
         return _account(user)
@@ -218,10 +221,10 @@ class Accounts:
         """Refuse when the account's role may not use the verb."""
         require(account, verb)
 
-    def _proven(self, name: str, password: str) -> User:
+    def _proven(self, name: str, password: str, *, again: bool = False) -> User:
         key = name.strip().casefold()
         self._limit.check(key)
-        user = self._find(name.strip())
+        user = self._find_again(name.strip()) if again else self._find(name.strip())
         # an unknown name costs as much time as a wrong password, so that names cannot be found by the clock
         matches = verify_password(user.password_hash if user else self._no_hash(), password)
         if user is None or not user.active or not matches:
@@ -256,6 +259,18 @@ class Accounts:
 
     def _find(self, name: str) -> User | None:
         return next((user for user in self._catalogue.users() if user.name == name), None)
+
+    def _find_again(self, name: str) -> User | None:
+        """Somebody who was looked up before; as known then, where the catalogue does not answer."""
+        try:
+            user = self._find(name)
+        except NoAnswer:
+            if name not in self._last:
+                raise
+            return self._last[name]
+        if user is not None:
+            self._last[name] = user
+        return user
 
     def _no_hash(self) -> str:
         if not self._decoy:

@@ -170,9 +170,9 @@ class Assessment:
         Raises:
             Refused: The actor may not, the plan is another patient's, or the rehearsal met a limit.
         """
+        usual = self._usual_neutral(prepared)  # before it runs: afterwards nobody may answer
         run, heard = self._run(prepared, actor, out, client, present, certificate, watch)
         sweep, recorded = _sweep(prepared), prepared.plan.twin.stiffness_nm_rad
-        usual = self._usual_neutral(prepared)
         result = fit_result(heard.blocks, heard.phases, heard.end, sweep, recorded, usual)
         self._catalogue.add_fit_check(
             FitCheck(

@@ -27,10 +27,12 @@ if TYPE_CHECKING:
     from rehab_app.services.live import LiveDesk
     from rehab_app.services.live_interrupted import Interrupted
     from rehab_app.services.marker_names import MarkerNames
+    from rehab_app.services.outbox import Outbox
     from rehab_app.services.outcomes import Outcomes
     from rehab_app.services.patients import Patients
     from rehab_app.services.plans import Plans
     from rehab_app.services.population_norms import Norms
+    from rehab_app.services.presentation import Presentation
     from rehab_app.services.privacy import Privacy
     from rehab_app.services.progress import ProgressReports
     from rehab_app.services.proposals import Proposals
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
     from rehab_app.services.retouching import Retouching
     from rehab_app.services.runner import SessionRunner
     from rehab_app.services.sessions import Sessions
+    from rehab_app.services.stations import Stations
     from rehab_app.services.takes import Takes
     from rehab_app.services.therapy import Therapy
     from rehab_app.services.uploads import Uploads
@@ -57,6 +60,7 @@ class Clinic:
         settings: What a person set of this installation.
         audit: The audit.
         accounts: Who may sign in.
+        presentation: How the clinic presents itself: its name, its language.
         patients: Patients.
         clinical: What therapy must know of their hands.
         journal: Notes, pain, adverse events and check-ins.
@@ -87,6 +91,8 @@ class Clinic:
         runner: Leads through a session.
         interrupted: Recordings that an ended server left unsealed.
         uploads: The object store that takes sealed recordings.
+        stations: This station among the others, and who is in therapy where.
+        outbox: What waits for the catalogue of a server.
         lease: The one server's lease, None where this is no server.
         closing: Ends the live work, where there is any.
     """
@@ -97,6 +103,7 @@ class Clinic:
     settings: Settings
     audit: Audit
     accounts: Accounts
+    presentation: Presentation
     patients: Patients
     clinical: Clinical
     journal: Journal
@@ -127,6 +134,8 @@ class Clinic:
     runner: SessionRunner
     interrupted: Interrupted
     uploads: Uploads
+    stations: Stations
+    outbox: Outbox
     lease: ServerLease | None = None
     closing: ExitStack = field(default_factory=ExitStack)
 

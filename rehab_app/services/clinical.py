@@ -16,6 +16,7 @@ from rehab_app.services.audit import Audit
 from rehab_app.services.clock import local_day
 from rehab_app.services.diagnosis import check_mode, locks_of, template
 from rehab_app.services.mode_locks import ModeLock, mode_locks
+from rehab_app.services.plain_text import one_line
 from robot_iface.types import DIGITS, MODES, Mode
 from sessions.catalogue import Catalogue, ClinicalRecord, ModeUnlock, Patient
 
@@ -69,7 +70,7 @@ class Clinical:
             bones_of(record)
         with self._one_at_a_time:
             _check_read(self.record(record.patient), since)
-            kept = self._catalogue.add_clinical_record(replace(record, by=actor.name))
+            kept = self._catalogue.add_clinical_record(replace(record, by=actor.name), since)
         self._audit.note(actor, "state clinical record", kept.patient, f"version {kept.id}, {kept.diagnosis}")
         return kept
 
@@ -92,10 +93,8 @@ class Clinical:
         record = self.record(patient_id)
         if record is None or _mode(mode) not in self.locks(patient_id):
             raise Refused(f"{mode} mode of {patient_id}", "not locked", "locked", "use it as it is")
-        if len(reason) > _LONGEST_REASON:
-            bound = f"at most {_LONGEST_REASON} characters"
-            raise Refused("reason of the unlock", f"{len(reason)} characters long", bound, "shorten it")
-        return self._decide(actor, record, mode, True, reason.strip())
+        told = one_line("reason of the unlock", reason, _LONGEST_REASON)
+        return self._decide(actor, record, mode, True, told)
 
     def lock(self, actor: Account, patient_id: str, mode: str) -> ModeUnlock:
         """Take an unlock back. Anyone may: it is the safer way.

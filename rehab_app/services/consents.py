@@ -108,7 +108,7 @@ class Consents:
         Raises:
             Refused: A file is damaged.
         """
-        own = [take for take in self._catalogue.takes() if take.subject_id == patient_id]
+        own = self._catalogue.takes_of(patient_id)
         paths = [(take.id, self._folder.root / take.path) for take in own]
         return tuple(take for take, path in paths if path.exists() and has_images(path))
 

@@ -77,7 +77,7 @@ def allow(chosen: Template, mode: Mode, event_date: str, today: date) -> Refused
     if lock is None:
         return None
     thing = f"{mode} mode for {chosen.words}"
-    ask = f"or have a therapist unlock it with rehab-app patient unlock PATIENT --mode {mode}"
+    ask = f"or have a therapist unlock {mode} (in the diagnosis, or rehab-app patient unlock)"
     if lock.from_day == BY_ACT_ONLY:
         return Refused(
             thing,
@@ -87,7 +87,7 @@ def allow(chosen: Template, mode: Mode, event_date: str, today: date) -> Refused
         )
     if not event_date:
         bound = f"used from day {lock.from_day:.0f} after the {chosen.event} on, whose date is unknown"
-        return Refused(thing, "locked", bound, f"enter its date with --event-date, {ask}")
+        return Refused(thing, "locked", bound, f"enter its date in the diagnosis, {ask}")
     return _before(lock, thing, chosen, date.fromisoformat(event_date), today, ask)
 
 

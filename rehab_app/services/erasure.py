@@ -13,6 +13,7 @@ from rehab_app.services import storage
 from rehab_app.services.audit import Audit
 from rehab_app.services.erased_ledger import LEDGER, add_to_ledger, ledger, line_of
 from rehab_app.services.object_queue import withdraw
+from rehab_app.services.population_kept import withdraw_norms
 from sessions.catalogue import Catalogue, Setting
 from sessions.catalogue.erasure import UNFINISHED, Belongings
 
@@ -70,6 +71,7 @@ class Erasures:
         paths = [path for path, _ in (*found.sessions, *found.takes)]
         left = [*paths, *(f"{OBJECT}sessions/{sha256}" for _, sha256 in found.sessions)]
         left += [f"{OBJECT}takes/{sha256}" for _, sha256 in found.takes]
+        withdraw_norms(self._catalogue, actor.name)  # a patient's numbers leave them too
         self._catalogue.erase_patient(patient_id, msgspec.json.encode(left).decode(), actor.name)
         self.finish()
         self._audit.note(actor, "erase patient", patient_id, f"{len(paths)} files")

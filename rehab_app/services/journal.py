@@ -12,7 +12,7 @@ from datetime import date
 import msgspec
 
 from rehab_app.access import Account, require
-from rehab_app.errors import Refused
+from rehab_app.errors import NoAnswer, Refused
 from rehab_app.services.audit import Audit
 from rehab_app.services.clock import local_day
 from rehab_app.services.journal_records import KINDS, AdverseEvent, CheckIn, Note, PainReport, Written
@@ -177,15 +177,26 @@ class Journal:
         content = json.dumps({**asdict(what), "corrects": corrects}, ensure_ascii=False)
         entry = PatientEntry(patient=patient_id, kind=kind, session=session, content=content, by=actor.name)
         with self._one_at_a_time:
-            held = self._catalogue.entries(patient_id, (kind,), limit=_MOST)
+            held = self._held(patient_id, kind, corrects)
             if corrects:
                 check_corrected(held, corrects)
             elif kind in _NOT_TWICE:
                 self._check_new(held, entry)
             row = self._catalogue.add_entry(entry)
-        done = f"entry {row.id}" + (f" in the place of {corrects}" if corrects else "")
+        done = f"entry {row.id}" if row.id else "an entry that waits for the catalogue"
+        done += f" in the place of {corrects}" if corrects else ""
         self._audit.note(actor, f"write {kind}", row.patient, done)
         return _entry(row, 0)
+
+    def _held(self, patient_id: str, kind: str, corrects: int) -> tuple[PatientEntry, ...]:
+        """What there is of that kind; nothing while the catalogue does not answer, save for a correction."""
+        try:
+            return self._catalogue.entries(patient_id, (kind,), limit=_MOST)
+        except NoAnswer:
+            if corrects:
+                raise
+            self._catalogue.patient(patient_id)
+            return ()
 
     def _check_new(self, held: tuple[PatientEntry, ...], entry: PatientEntry) -> None:
         """Refuse what the same person wrote word by word just now: a form that was sent twice."""

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rehab_app.config import ClinicFolder
+from rehab_app.services.outbox_folder import OutboxFolder
 from sessions.catalogue import Catalogue
 from sessions.store import PARTIAL_SUFFIX
 
@@ -34,6 +35,7 @@ def unentered(folder: ClinicFolder, catalogue: Catalogue) -> tuple[Path, ...]:
     if not present:
         return ()
     known = {row.path for row in (*catalogue.takes(), *catalogue.sessions())}
+    known |= OutboxFolder(folder.root).recordings()
     found = [path for path in present if path.relative_to(folder.root).as_posix() not in known]
     return tuple(sorted(path for path in found if _untouched_s(path) > AT_REST_S))
 

@@ -1,4 +1,6 @@
-"""The one live state machine of a clinic: record, rehearse, play, stop. Thread-safe; never blocks a caller.
+"""The one live state machine of a clinic: record, rehearse, play, stop.
+
+Thread-safe; blocks no caller but the one who clears a stop.
 
 States::
 
@@ -16,11 +18,11 @@ from typing import TypeAlias
 
 from rehab_app.access import Account, require
 from rehab_app.errors import REFUSALS, Refused
-from rehab_app.services.assessment import Assessment
 from rehab_app.services.audit import Audit
 from rehab_app.services.live_board import Board
 from rehab_app.services.live_controls import LiveControls
 from rehab_app.services.live_interrupted import Interrupted
+from rehab_app.services.live_latch import StopLatch
 from rehab_app.services.live_recording import RecordingJob, RecordingOrder
 from rehab_app.services.live_target import LiveTarget
 from rehab_app.services.live_therapy import TherapyJob
@@ -30,7 +32,6 @@ from rehab_app.services.patients import side_named
 from rehab_app.services.recording_request import PROTOCOL, VIRTUAL, RecordingRequest
 from rehab_app.services.snapshot import BUSY, LiveSnapshot
 from rehab_app.services.takes import Takes
-from rehab_app.services.therapy import Therapy
 from sessions.records.fields import Float64
 
 Job: TypeAlias = RecordingJob | TherapyJob
@@ -41,8 +42,7 @@ class LiveDesk:
 
     Args:
         takes: Where recordings go.
-        therapy: What rehearses and plays.
-        assessment: What measures range and fit.
+        works: What plans, rehearses and plays.
         audit: Where every verb is noted.
         interrupted: Restores what a run that broke off had recorded; None to leave that to the next start.
 
@@ -54,28 +54,26 @@ class LiveDesk:
     def __init__(
         self,
         takes: Takes,
-        therapy: Therapy,
-        assessment: Assessment,
+        works: Works,
         audit: Audit,
         interrupted: Interrupted | None = None,
     ) -> None:
         self._interrupted = interrupted
         self._takes = takes
-        self._therapy = therapy
-        self._works = Works(therapy, assessment)
+        self._works = works
         self._audit = audit
         self.controls = LiveControls(self._run_going_on, audit)
         self.target = LiveTarget(audit)
         self._board = Board()
         self._starting = threading.Lock()
         self._thread: threading.Thread | None = None
-        # The next two are read and written without a lock by press_stop: single attribute accesses.
+        # The next two are used without a lock by press_stop: single attribute accesses.
         self._job: Job | None = None
-        self._stop_source = ""
+        self._stop = StopLatch()
 
     def snapshot(self) -> LiveSnapshot:
         """The newest picture, with the target grip laid over it; waits for nothing."""
-        shown, source = self.target.onto(self._board.snapshot), self._stop_source
+        shown, source = self.target.onto(self._board.snapshot), self._stop.source
         if not source:
             return shown
         message = f"Stopped by {source}. Look at the patient, then clear the stop."
@@ -103,27 +101,12 @@ class LiveDesk:
         person: str = "",
         consent_images: bool = False,
     ) -> None:
-        """Count down and record in real time.
-
-        Args:
-            account: Who records.
-            exercise: Name of the movement.
-            side: Side of the hand.
-            seconds: Longest length.
-            countdown_s: Seconds before it begins.
-            seed: Of the virtual camera; drawn if None.
-            camera: Which camera, as ``camera list`` names it.
-            protocol: Marker protocol.
-            person: Pseudonym of whose hand it is, empty if unknown.
-            consent_images: Whether the person consented to images being stored.
+        """Count down and record in real time, ``seconds`` at most, after ``countdown_s``: see the request.
 
         Raises:
             Refused: The role may not record, the desk is busy, stop is pressed, or a value is out of bounds.
         """
         require(account, "record")
-        if not 0.0 <= countdown_s <= 30.0:
-            raise Refused("countdown", f"{countdown_s:g} s", "0 to 30 s", "choose a shorter countdown")
-        drawn = secrets.randbelow(2**31) if seed is None else seed
         request = RecordingRequest(
             exercise=exercise,
             side=side_named(side),
@@ -132,7 +115,7 @@ class LiveDesk:
             protocol=protocol,
             person=person,
             consent_images=consent_images,
-            seed=drawn,
+            seed=secrets.randbelow(2**31) if seed is None else seed,
             realtime=True,
         )
         order = RecordingOrder(account, request, countdown_s)
@@ -173,11 +156,11 @@ class LiveDesk:
 
         Raises:
             Refused: The role may not play, the desk is busy, stop is pressed, the take is not approved, the
-                patient is unknown, another one is present, or the prescription is out of bounds.
+                patient is unknown or in therapy at another station, another one is present, or the
+                prescription is out of bounds.
         """
         require(account, "play")
         self._check_free()
-        self._therapy.check_approved(self._takes.get(take_id))
         self._begin(account, self._works.plan("therapy", account, patient_id, take_id, order, present))
 
     def start_assessment(
@@ -188,19 +171,32 @@ class LiveDesk:
         order: Order = PLAIN,
         *,
         present: str | None = None,
+        take_id: str = "",
+        arm_posture: str = "",
     ) -> None:
-        """Rehearse, then measure today's range ("range") or check the fit ("fit") in real time.
+        """Rehearse, then measure ("range", "tone", "tracking") or check the fit ("fit") in real time.
+
+        Args:
+            account: Who plays.
+            kind: Which.
+            patient_id: Pseudonym of the patient.
+            order: As of ``start_therapy``.
+            present: As of ``start_therapy``.
+            take_id: Tracking: catalogue id of the approved take to follow.
+            arm_posture: Tone: how arm and shoulder are held, in words.
 
         Raises:
-            Refused: As of ``start_therapy``, nobody is named, or the robot is not worn.
+            Refused: As of ``start_therapy``, nobody is named, the robot is not worn, or the arm's posture is
+                not said.
         """
         require(account, "play")
         self._check_free()
-        self._begin(account, self._works.plan(kind, account, patient_id, "", order, present))
+        work = self._works.plan(kind, account, patient_id, take_id, order, present, arm_posture)
+        self._begin(account, work)
 
     def press_stop(self, source: str) -> None:
         """Stop. No role, no lock, no database: writes the stop word, then queues the audit row."""
-        self._stop_source = source or "unnamed"
+        self._stop.press(source or "unnamed")
         job = self._job
         if job is not None:
             job.stop()
@@ -210,16 +206,14 @@ class LiveDesk:
         """Release the latched stop after somebody has looked at the patient.
 
         Raises:
-            Refused: The role may not, it was not confirmed, or the robot is still braking.
+            Refused: The role may not, it was not confirmed, or as of ``StopLatch.release``, which waits.
         """
         require(account, "clear_stop")
         if not confirmed:
             raise Refused(
                 "stop", "latched", "cleared only by someone who looked at the patient", "confirm that you did"
             )
-        if self._thread is not None and self._thread.is_alive():
-            raise Refused("stop", "still braking and sealing", "at rest", "try again in a moment")
-        self._stop_source = ""
+        self._stop.release(self._thread)
         self._board.begin(message="Ready. The stop was cleared.")
         self._audit.note_later(account.name, "clear stop")
 
@@ -246,14 +240,11 @@ class LiveDesk:
             thread.join()
 
     def _latch(self, cause: str) -> None:
-        """The supervisor stopped by itself; a stop that a person pressed keeps its name."""
-        before = self._stop_source
-        if not before or cause.startswith(before):
-            self._stop_source = cause
+        if self._stop.take(cause):
             self._audit.note_later(cause, "stop")
 
     def _check_free(self) -> None:
-        if self._stop_source:
+        if self._stop.source:
             raise Refused("stop", "pressed", "cleared", "look at the patient and clear the stop")
         alive = self._thread is not None and self._thread.is_alive()
         if alive or self._board.snapshot.state in BUSY:
@@ -268,6 +259,7 @@ class LiveDesk:
     def _begin(self, account: Account, work: Work) -> None:
         with self._starting:
             self._check_free()
+            self._works.begin(work)
             self._board.begin(
                 state="rehearsing", message="Rehearsing on the virtual twin.", **first_picture(work)
             )
@@ -277,7 +269,7 @@ class LiveDesk:
 
     def _start(self, job: Job) -> None:
         self._job = job
-        if self._stop_source:  # pressed between the check and here
+        if self._stop.source:  # pressed between the check and here
             job.stop()
         self._thread = threading.Thread(target=self._work, args=(job,), name="live", daemon=True)
         self._thread.start()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ import msgspec
 
 from rehab_app.access import CONSOLE
 from rehab_app.config import ClinicFolder
-from rehab_app.errors import Refused
+from rehab_app.errors import NoAnswer, Refused
 from rehab_app.services.audit import Audit
 from rehab_app.services.left_over import sweep, unentered
 from rehab_app.services.takes import Takes
@@ -73,7 +74,8 @@ class Interrupted:
             sweep(self._folder)
             waiting = (*partials(self._folder.takes), *partials(self._folder.sessions))
             self._tell(self._one(path, _recovered) for path in waiting)
-            self._tell(self._one(path, _proven) for path in unentered(self._folder, self._catalogue))
+            with contextlib.suppress(NoAnswer):  # they are found at the next start
+                self._tell(self._one(path, _proven) for path in unentered(self._folder, self._catalogue))
             return self.found
 
     def _tell(self, restored: Iterable[Restored]) -> None:

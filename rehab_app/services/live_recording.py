@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from rehab_app.access import Account
 from rehab_app.cameras import Outage
+from rehab_app.errors import Refused
 from rehab_app.recording.live_pose import LivePose
 from rehab_app.services.live_board import Board
 from rehab_app.services.picture_maker import PictureMaker
@@ -16,6 +17,7 @@ from rehab_app.services.replay import replay_of
 from rehab_app.services.take_sources import Listeners
 from rehab_app.services.takes import Takes
 
+LONGEST_COUNTDOWN_S = 30.0
 _STEP_S = 0.1
 _MOST_NAMED = 12
 
@@ -28,11 +30,19 @@ class RecordingOrder:
         actor: Who records.
         request: What.
         countdown_s: Seconds before it begins.
+
+    Raises:
+        Refused: The countdown is out of bounds.
     """
 
     actor: Account
     request: RecordingRequest
     countdown_s: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.countdown_s <= LONGEST_COUNTDOWN_S:
+            bound = f"0 to {LONGEST_COUNTDOWN_S:g} s"
+            raise Refused("countdown", f"{self.countdown_s:g} s", bound, "choose a shorter countdown")
 
 
 class RecordingJob:

@@ -15,6 +15,7 @@ from rehab_app.services.live_board import Board
 from rehab_app.services.live_picture import RunPicture
 from rehab_app.services.live_work import Work, Works
 from rehab_app.services.replay import COMPARED_PHASES
+from rehab_app.services.snapshot import ALONG
 from rehab_app.services.therapy import check_accepted
 from rehab_app.therapy.run_causes import sentence_of
 from robot_iface.link import LiveSample, MotionClient
@@ -32,7 +33,13 @@ _NOTES = 12
 _BEAT_NICE = -10
 _SILENT = ("order-refused Resume", "order-refused Reset", "operator-silent", "reset", "repetitions", "sweep")
 """What the page shows in another way, or asks for again by itself."""
-GOING = {"therapy": "Playing.", "range": "Measuring today's range.", "fit": "Checking the fit."}
+GOING = {
+    "therapy": "Playing.",
+    "range": "Measuring today's range.",
+    "fit": "Checking the fit.",
+    "tone": "Measuring the tone: the patient lets the hand be moved.",
+    "tracking": "The patient follows the target alone: the robot does not help.",
+}
 
 
 @contextlib.contextmanager
@@ -75,6 +82,7 @@ class TherapyJob:
         self._done = threading.Event()
         self._heard_s = time.monotonic()
         self._resume_until_s = 0.0
+        self._said = ""
         self._picture = RunPicture(board, work.prepared)
 
     def stop(self) -> None:
@@ -126,7 +134,7 @@ class TherapyJob:
         if sample.safety_state not in _RUNNING:
             raise Refused("movement", "held", "not held", "look at the patient and press Resume first")
         client.reverse()
-        if self._work.kind != "therapy" or sample.phase == "return":
+        if self._work.kind not in ALONG or sample.phase == "return":
             return
         if sample.phase in COMPARED_PHASES:
             self._board.update(reversing=True, paused=False, message="Going back. Resume goes on.")
@@ -161,12 +169,15 @@ class TherapyJob:
         Raises:
             Refused: The rehearsal refused the plan, or the motion process failed.
         """
-        with MotionClient() as client:
-            self._client = client
-            try:
-                self._run(client)
-            finally:
-                self._client = None
+        try:
+            with MotionClient() as client:
+                self._client = client
+                try:
+                    self._run(client)
+                finally:
+                    self._client = None
+        finally:
+            self._works.end(self._work)
 
     def _run(self, client: MotionClient) -> None:
         certificate = self._works.rehearse(self._work, self._actor, client)
@@ -227,7 +238,14 @@ class TherapyJob:
             if sample.safety_state in _STOPPED and not self._stopped:
                 self._latch(_SUPERVISOR)
             self._say_held(client, sample)
+            self._say_claim()
             self._picture.draw(sample)
+
+    def _say_claim(self) -> None:
+        """Tell once that the claim on the patient was not renewed; nothing else follows from it."""
+        said, self._said = self._said, self._works.trouble
+        if self._said and self._said != said:
+            self._note(self._said)
 
     def _go_on(self, client: MotionClient) -> None:
         if client.live().safety_state in _HELD:

@@ -1,4 +1,4 @@
-"""What a run on the live page can be: a take played, today's range measured, the fit checked."""
+"""What a run on the live page can be: a take played, an assessment, the fit checked."""
 
 from __future__ import annotations
 
@@ -12,9 +12,12 @@ from rehab_app.errors import Refused
 from rehab_app.services.assessed import device_ends
 from rehab_app.services.assessment import Assessment
 from rehab_app.services.order import Order
+from rehab_app.services.protocols import Protocols
 from rehab_app.services.rows import PreparedPlan
 from rehab_app.services.runs import Watch
 from rehab_app.services.snapshot import WorkKind
+from rehab_app.services.station_claims import Claims
+from rehab_app.services.takes import Takes
 from rehab_app.services.therapy import Therapy
 from rehab_app.therapy.run import PlayResult
 from rehab_app.therapy.run_causes import words_of
@@ -61,11 +64,41 @@ class Works:
     Args:
         therapy: What plays takes.
         assessment: What measures range and fit.
+        takes: Where takes are found.
+        claims: Keeps a patient in therapy at one station only.
+        protocols: What measures tone and target tracking.
     """
 
-    def __init__(self, therapy: Therapy, assessment: Assessment) -> None:
+    def __init__(
+        self,
+        therapy: Therapy,
+        assessment: Assessment,
+        takes: Takes,
+        claims: Claims,
+        protocols: Protocols,
+    ) -> None:
         self._therapy = therapy
+        self._protocols = protocols
         self._assessment = assessment
+        self._takes = takes
+        self._claims = claims
+
+    @property
+    def trouble(self) -> str:
+        """Why this station's hold on the patient was not renewed, "" where it was; the run goes on."""
+        return self._claims.trouble
+
+    def begin(self, work: Work) -> None:
+        """The patient is in therapy here from now on.
+
+        Raises:
+            Refused: At another station, or the catalogue does not answer.
+        """
+        self._claims.start(work.prepared.patient_id)
+
+    def end(self, work: Work) -> None:
+        """Set the patient free; waits for nothing."""
+        self._claims.end(work.prepared.patient_id)
 
     def rehearse(self, work: Work, actor: Account, client: MotionClient) -> Certificate:
         """Dry run on the virtual twin.
@@ -83,16 +116,18 @@ class Works:
         take_id: str,
         order: Order,
         present: str | None,
+        arm_posture: str = "",
     ) -> Work:
-        """A run of a kind: "therapy", "range" or "fit".
+        """A run of a kind: "therapy", "range", "fit", "tone" or "tracking".
 
         Args:
             kind: Which.
             actor: Who asks.
             patient_id: Pseudonym of the patient, None for a demonstration.
-            take_id: What therapy plays.
+            take_id: What therapy plays, and what is followed in target tracking.
             order: What is asked for; it is played on the wall clock whatever it says.
             present: Pseudonym of who sits at the robot, as a person confirmed; None where nobody was asked.
+            arm_posture: Tone: how arm and shoulder are held, in words.
 
         Raises:
             Refused: The plan cannot be made, or it is for another patient than the one who is present.
@@ -106,12 +141,17 @@ class Works:
             return self._range(actor, patient_id, order, present)
         if kind == "fit":
             return self._fit(actor, patient_id, order, present)
-        raise Refused("run", repr(kind[:20]), "therapy, range or fit", "choose one of these")
+        if kind == "tone":
+            return self._tone(actor, patient_id, arm_posture, order, present)
+        if kind == "tracking":
+            return self._tracking(actor, patient_id, take_id, order, present)
+        raise Refused("run", repr(kind[:20]), "therapy, range, fit, tone or tracking", "choose one of these")
 
     def _take(
         self, actor: Account, patient_id: str | None, take_id: str, order: Order, present: str | None
     ) -> Work:
         therapy = self._therapy
+        therapy.check_approved(self._takes.get(take_id))
         prepared = therapy.plan(take_id, order, actor=actor, patient_id=patient_id)
         therapy.check_patient(prepared, present)
 
@@ -151,6 +191,50 @@ class Works:
             return Finished(found.run, f"It does not fit: {verdict}." if verdict else _FITS)
 
         return Work("fit", prepared, perform)
+
+    def _tone(
+        self, actor: Account, patient_id: str, arm_posture: str, order: Order, present: str | None
+    ) -> Work:
+        protocols = self._protocols
+        prepared = protocols.plan_tone(actor, patient_id, arm_posture, order)
+        self._therapy.check_patient(prepared, present)
+
+        def perform(certificate: Certificate, client: MotionClient, watch: Watch) -> Finished:
+            result, run = protocols.run_tone(
+                actor,
+                prepared,
+                arm_posture,
+                present=present,
+                client=client,
+                certificate=certificate,
+                watch=watch,
+            )
+            if not result.tones:
+                return Finished(run, _ended(run), ("The tone is not kept: no stretch was measured.",))
+            protocols.keep(actor, prepared, result)
+            ended = "The tone is measured and kept." if run.completed else _ended(run)
+            return Finished(run, ended, result.notes)
+
+        return Work("tone", prepared, perform)
+
+    def _tracking(
+        self, actor: Account, patient_id: str, take_id: str, order: Order, present: str | None
+    ) -> Work:
+        therapy, protocols = self._therapy, self._protocols
+        therapy.check_approved(self._takes.get(take_id))
+        prepared = protocols.plan_tracking(actor, patient_id, take_id, order)
+        therapy.check_patient(prepared, present)
+
+        def perform(certificate: Certificate, client: MotionClient, watch: Watch) -> Finished:
+            run = therapy.play(
+                prepared, certificate, actor=actor, client=client, present=present, watch=watch
+            )
+            if not run.completed:  # half a movement says nothing of how well the whole is followed
+                return Finished(run, _ended(run), ("The tracking is not kept: it was not finished.",))
+            kept = protocols.keep_tracking(actor, prepared, run)
+            return Finished(run, "The tracking is measured and kept.", kept.result.notes)
+
+        return Work("tracking", prepared, perform)
 
 
 def first_picture(work: Work) -> dict[str, Any]:

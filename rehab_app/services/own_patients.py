@@ -17,7 +17,8 @@ class OwnPatients:
     """Ties accounts to patients.
 
     A tie is a setting under the account's number. The audit names the patient by pseudonym and the account by
-    number: a sign-in name may be the patient's own, and the audit outlives erasure. Erasing a patient unties.
+    number: a sign-in name may be the patient's own, and the audit outlives erasure. Archiving or erasing a
+    patient unties.
 
     Args:
         catalogue: The clinic's catalogue.
@@ -32,14 +33,13 @@ class OwnPatients:
         """Pseudonym of the patient whose screen it is, "" where it is nobody's."""
         if account.role != PATIENT:
             return ""
-        kept = self._catalogue.setting(OWN_PATIENT + account.id)
-        return "" if kept is None else msgspec.json.decode(kept.content, type=str)
+        return self._kept(OWN_PATIENT + account.id)
 
     def check(self, role: Role, typed: str) -> str:
         """The pseudonym that somebody typed for an account of that role, "" where nothing was typed.
 
         Raises:
-            Refused: The patient is unknown, or the role has no patient.
+            Refused: The patient is unknown or archived, or the role has no patient.
         """
         patient = typed.strip().upper()
         if patient and role != PATIENT:
@@ -49,7 +49,24 @@ class OwnPatients:
                 "given with the role patient only",
                 "leave it empty, or choose that role",
             )
-        return self._catalogue.patient(patient).id if patient else ""
+        if not patient:
+            return ""
+        known = self._catalogue.patient(patient)
+        if known.archived:
+            remedy = "put the patient back into the list first"
+            raise Refused("patient of the account", "archived", "one of the list", remedy)
+        return known.id
+
+    def release(self, patient: str, by: Account) -> None:
+        """Untie every account from a patient; asked for the verb by whoever calls.
+
+        Args:
+            patient: Pseudonym.
+            by: Who does it.
+        """
+        for user in self._catalogue.users():
+            if self._kept(OWN_PATIENT + str(user.id)) == patient:
+                self.tie(Account(user.name, PATIENT, str(user.id)), "", by)
 
     def tie(self, account: Account, patient: str, by: Account) -> None:
         """Make an account the screen of one patient, or of nobody.
@@ -60,10 +77,13 @@ class OwnPatients:
             by: Who does it; asked for the verb by whoever calls.
         """
         key = OWN_PATIENT + account.id
-        kept = self._catalogue.setting(key)
-        before = "" if kept is None else msgspec.json.decode(kept.content, type=str)
+        before = self._kept(key)
         if before == patient:
             return
         self._catalogue.set(Setting(key=key, content=msgspec.json.encode(patient).decode(), by=by.name))
         verb, subject = ("tie screen", patient) if patient else ("untie screen", before)
         self._audit.note(by, verb, subject, f"account {account.id}")
+
+    def _kept(self, key: str) -> str:
+        kept = self._catalogue.setting(key)
+        return "" if kept is None else msgspec.json.decode(kept.content, type=str)

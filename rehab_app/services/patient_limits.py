@@ -25,6 +25,7 @@ from sessions.catalogue import (
     Catalogue,
     DayLimits,
     LimitChange,
+    LimitsRead,
     Patient,
 )
 
@@ -39,6 +40,7 @@ class TodaysLimits:
         measured: Whether they were measured on the patient.
         own_range: Whether a person measured or set the range today.
         notes: Where they come from, as sentences.
+        version: Number of the newest limit that a person set there, 0 where nobody did.
     """
 
     limits: Limits
@@ -46,6 +48,7 @@ class TodaysLimits:
     measured: bool
     own_range: bool
     notes: tuple[str, ...]
+    version: int = 0
 
 
 class PatientLimits:
@@ -123,14 +126,19 @@ class PatientLimits:
         self._audit.note(actor, "measure limits", patient.id, f"{device.name}, version {kept.id}")
         return kept
 
-    def add_change(self, actor: Account, change: LimitChange, *, for_today: bool) -> LimitChange:
-        """Keep a limit that a person set on a joint, for today only or until the next one."""
+    def add_changes(
+        self, actor: Account, changes: tuple[LimitChange, ...], since: LimitsRead, *, for_today: bool
+    ) -> None:
+        """Keep limits that a person set on a joint, for today only or until the next ones; all or none.
+
+        Raises:
+            Refused: Somebody else changed the limits, or what they follow from, since they were read.
+        """
         expires = day_end_ns(self._clock_ns()) if for_today else 0
-        kept = self._catalogue.add_limit_change(replace(change, expires_utc_ns=expires, by=actor.name))
-        self._audit.note(
-            actor, "set limit", kept.patient, f"{kept.joint} {kept.limit} {kept.value:.4g}, version {kept.id}"
-        )
-        return kept
+        dated = tuple(replace(one, expires_utc_ns=expires, by=actor.name) for one in changes)
+        for kept in self._catalogue.add_limit_changes(dated, since):
+            what = f"{kept.joint} {kept.limit} {kept.value:.4g}, version {kept.id}"
+            self._audit.note(actor, "set limit", kept.patient, what)
 
     def _changed(
         self,
@@ -149,12 +157,13 @@ class PatientLimits:
         for row in valid:
             if row.joint in device.joint_names:
                 newest.setdefault((row.joint, row.limit), row)
+        version = rows[0].id if rows else 0
         limits = _with_changes(base, device.joint_names, newest.values(), cautions.stated_utc_ns)
         _check_open(limits, device.joint_names)
         today_ns = day_start_ns(now_ns)
         set_today = any(row.limit != TORQUE_LIMIT and row.created_utc_ns >= today_ns for row in valid)
         told = tuple(_words(row, cautions.stated_utc_ns) for row in newest.values())
-        return TodaysLimits(limits, base, measured, measured or set_today, (*notes, *told))
+        return TodaysLimits(limits, base, measured, measured or set_today, (*notes, *told), version)
 
 
 def _shipped(device: Capabilities, cautions: Precautions) -> Limits:
@@ -187,7 +196,7 @@ def _matching(rows: tuple[DayLimits, ...], now_ns: int, wrist_rad: float, patien
         "wrist angle",
         f"{math.degrees(wrist_rad):.0f} degrees",
         f"{measured:.0f} degrees, at which the limits were measured",
-        f"hold the wrist so and give --wrist-deg {measured:.0f}, or {again}",
+        f"hold the wrist so and give that angle, or {again}",
     )
 
 

@@ -9,6 +9,7 @@ from datetime import UTC, date, datetime
 from rehab_app.access import Account, require
 from rehab_app.errors import Refused
 from rehab_app.services.audit import Audit
+from rehab_app.services.own_patients import OwnPatients
 from rehab_app.services.plain_text import many_lines, one_line
 from sessions.catalogue import AuditRow, Catalogue, Patient, Take, TherapySession
 from sessions.records import SIDES, Side
@@ -49,6 +50,7 @@ class Patients:
     def __init__(self, catalogue: Catalogue, audit: Audit) -> None:
         self._catalogue = catalogue
         self._audit = audit
+        self._own_patients = OwnPatients(catalogue, audit)
 
     def list(self) -> tuple[Patient, ...]:
         """Patients that are not archived."""
@@ -153,7 +155,7 @@ class Patients:
         return kept
 
     def archive(self, actor: Account, patient_id: str) -> Patient:
-        """Take a patient out of the lists; nothing is lost.
+        """Take a patient out of the lists; nothing is lost, but no screen shows this patient any more.
 
         Raises:
             Refused: The actor may not prescribe, or the patient is unknown.
@@ -175,7 +177,7 @@ class Patients:
 
     def takes(self, patient_id: str) -> tuple[Take, ...]:
         """Takes that were recorded of this patient's own hands, newest first."""
-        return tuple(take for take in self._catalogue.takes() if take.subject_id == patient_id)
+        return self._catalogue.takes_of(patient_id)
 
     def sessions(self, patient_id: str) -> tuple[TherapySession, ...]:
         """Sessions of this patient, newest first.
@@ -192,6 +194,8 @@ class Patients:
             return patient
         kept = self._catalogue.change_patient(replace(patient, archived=archived))
         self._audit.note(actor, "archive patient" if archived else "unarchive patient", patient_id)
+        if archived:
+            self._own_patients.release(patient_id, actor)
         return kept
 
 

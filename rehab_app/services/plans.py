@@ -86,13 +86,14 @@ class Plans:
             made = _numbered(replace(plan, by=actor.name), self.history(plan.patient))
             if before.version and _content(made) == _content(before):
                 raise Refused("plan", "as it was", "changed", "change something, or leave the page")
-            row = self._catalogue.add_entry(
+            row = self._catalogue.add_version(
                 PatientEntry(
                     patient=plan.patient,
                     kind=_KIND,
                     content=msgspec.json.encode(made).decode(),
                     by=actor.name,
-                )
+                ),
+                since=before.version,  # another station may write between reading and here
             )
         self._audit.note(actor, "change plan", plan.patient, f"version {row.id}, {len(plan.items)} items")
         return _plan(row)

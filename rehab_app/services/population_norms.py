@@ -12,10 +12,9 @@ from rehab_app.services.audit import Audit
 from rehab_app.services.clock import local_day
 from rehab_app.services.kept_numbers import KeptNumbers
 from rehab_app.services.population import Group, Norm, Sample, age_band, norms_of
+from rehab_app.services.population_kept import KEY
 from sessions.catalogue import Catalogue, ClinicalRecord, Patient, Setting, TherapySession
 from sessions.reports.past import Past, past_version
-
-KEY = "population-norms"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +57,7 @@ class Norms:
         return found
 
     def all(self) -> tuple[Norm, ...]:
-        """The norms that were made last; none where they are of another version of the methods."""
+        """The norms that were made last; none of another version of the methods, or since an erasure."""
         kept = self._catalogue.setting(KEY)
         if kept is None:
             return ()

@@ -17,14 +17,19 @@ from rehab_app.services.journal import Journal
 from rehab_app.services.kept_numbers import KeptNumbers
 from rehab_app.services.outcomes import Outcomes
 from rehab_app.services.plans import Plans
+from rehab_app.services.population_norms import Norms
+from rehab_app.services.presentation import Presentation
 from rehab_app.services.progress_assessed import assessed_ranges, assessed_tones, score_of
+from rehab_app.services.progress_norms import beside_norms
 from rehab_app.services.protocol_records import ProtocolRecords
 from rehab_app.services.recompute_work import measured_all
 from rehab_app.services.reports import write_whole
 from sessions.catalogue import Catalogue, Patient, TherapySession
 from sessions.reports import installed_version
+from sessions.reports.language import SOURCE
+from sessions.reports.letterhead import headed
 from sessions.reports.past import Past
-from sessions.reports.progress import LeftOut, Progress
+from sessions.reports.progress import COMPARISON, LeftOut, Progress
 from sessions.reports.progress_formats import PROGRESS_FORMATS, render_progress
 
 _AT_ONCE = 10
@@ -54,12 +59,14 @@ class Notebook:
         outcomes: The clinic's own scores.
         plans: What is prescribed.
         protocols: Results of guided assessments.
+        norms: What is usual among the patients of this clinic.
     """
 
     journal: Journal
     outcomes: Outcomes
     plans: Plans
     protocols: ProtocolRecords
+    norms: Norms
 
 
 class ProgressReports:
@@ -88,6 +95,7 @@ class ProgressReports:
         self._audit = audit
         self._notebook = notebook
         self._serving = serving
+        self._presentation = Presentation(catalogue, audit)
 
     def of_patient(self, patient_id: str, say: Callable[[str], None] | None = None) -> Progress:
         """Everything that a progress report starts from.
@@ -118,6 +126,7 @@ class ProgressReports:
             active=active,
             passive=passive,
             tones=assessed_tones(results, patient.side),
+            norms=beside_norms(self._notebook.norms, self._catalogue, rows, pasts),
         )
 
     def comparison(self, first: str, second: str) -> Progress:
@@ -158,32 +167,37 @@ class ProgressReports:
             self._bounds(),
             0,
             installed_version(),
-            "Comparison of two sessions",
+            COMPARISON,
         )
 
-    def rendered(self, progress: Progress, format_name: str) -> bytes:
+    def rendered(self, progress: Progress, format_name: str, language: str = SOURCE) -> bytes:
         """A progress report or comparison in one format of ``PROGRESS_FORMATS``.
 
         Raises:
-            Refused: There is no such format.
+            Refused: There is no such format or language.
         """
         if self._serving:
-            return aside(render_progress, progress, format_name)
-        return render_progress(progress, format_name)
+            return aside(_printed, progress, format_name, language, self._presentation.name())
+        return _printed(progress, format_name, language, self._presentation.name())
 
-    def download(self, actor: Account, progress: Progress, format_name: str) -> bytes:
+    def download(self, actor: Account, progress: Progress, format_name: str, language: str = SOURCE) -> bytes:
         """As ``rendered``, noted in the audit.
 
         Raises:
             Refused: The actor may not (verb "view"), or there is no such format.
         """
         require(actor, "view")
-        made = self.rendered(progress, format_name)
+        made = self.rendered(progress, format_name, language)
         self._audit.note(actor, "report progress", progress.subject_id, format_name)
         return made
 
     def write(
-        self, progress: Progress, formats: Sequence[str], out: Path | None, actor: Account
+        self,
+        progress: Progress,
+        formats: Sequence[str],
+        out: Path | None,
+        actor: Account,
+        language: str = SOURCE,
     ) -> tuple[Path, ...]:
         """Write one file per format and return their paths.
 
@@ -192,12 +206,13 @@ class ProgressReports:
             formats: Names of ``PROGRESS_FORMATS``.
             out: Folder, or file for one format; by default the clinic's reports.
             actor: Who asks (verb "view").
+            language: Of the formats that people read.
 
         Raises:
-            Refused: The actor may not, or a format is unknown.
+            Refused: The actor may not, or a format or the language is unknown.
         """
         require(actor, "view")
-        contents = [self.rendered(progress, name) for name in formats]
+        contents = [self.rendered(progress, name, language) for name in formats]
         stem = f"{progress.title.split(' ', maxsplit=1)[0].lower()}-{progress.subject_id}"
         targets = [_target(out or self._folder.reports, stem, name, len(formats)) for name in formats]
         for target, content in zip(targets, contents, strict=True):
@@ -254,3 +269,8 @@ def _unfit(past: Past, patient: Patient, row: TherapySession) -> str:
 def _target(out: Path, stem: str, format_name: str, formats: int) -> Path:
     suffix = PROGRESS_FORMATS[format_name][0]
     return out if formats == 1 and out.name.endswith(suffix) else out / f"{stem}{suffix}"
+
+
+def _printed(progress: Progress, format_name: str, language: str, clinic: str) -> bytes:
+    with headed(clinic):
+        return render_progress(progress, format_name, language)

@@ -15,9 +15,11 @@ from rehab_app.config import RecomputeSettings
 from rehab_app.errors import Refused
 from rehab_app.services.audit import Audit
 from rehab_app.services.kept_numbers import KeptNumbers
+from rehab_app.services.object_rooms import Sealed
 from rehab_app.services.recompute_crew import Crew, dask_crew, local_crew
+from rehab_app.services.recompute_lent import lent, parts_of
 from rehab_app.services.recompute_run import measure_with
-from rehab_app.services.recompute_work import Work
+from rehab_app.services.recompute_work import Measured, Work, not_measured
 from sessions.catalogue import Catalogue
 from sessions.metrics import DEFINITIONS
 from sessions.reports.past import past_from_json, past_version
@@ -65,11 +67,18 @@ class Recompute:
         numbers: Reads and keeps numbers.
         audit: Where a re-analysis is noted.
         settings: What the installation says of workers and scheduler.
+        bring: Brings a file back that lies in the object store only; None where there is none.
     """
 
     def __init__(
-        self, catalogue: Catalogue, numbers: KeptNumbers, audit: Audit, settings: RecomputeSettings
+        self,
+        catalogue: Catalogue,
+        numbers: KeptNumbers,
+        audit: Audit,
+        settings: RecomputeSettings,
+        bring: Callable[[Sealed], None] | None = None,
     ) -> None:
+        self._bring = bring
         self._catalogue = catalogue
         self._numbers = numbers
         self._audit = audit
@@ -140,13 +149,24 @@ class Recompute:
         told: Callable[[int, int | None], None],
     ) -> Iterable[Trouble]:
         told(0, len(works))
-        for done, answer in enumerate(measure_with(works, hire), start=1):
+        for done, answer in enumerate(self._answers(works, hire), start=1):
             kept = self._numbers.keep(answer)
             told(done, len(works))
             if isinstance(kept, str):
                 yield Trouble(answer.work.id, kept)
             elif kept.sha256 != answer.work.sha256:
                 yield Trouble(answer.work.id, "its file is not the one that was sealed")
+
+    def _answers(
+        self, works: Sequence[Work], hire: Callable[[], AbstractContextManager[Crew]]
+    ) -> Iterable[Measured]:
+        """Files of the disk, then those of the object store, which are here only while they are measured."""
+        for part in parts_of(works):
+            with lent(part, self._bring) as files:
+                yield from (
+                    not_measured(work, files.refused[work.id]) for work in part if work.id in files.refused
+                )
+                yield from measure_with(files.here, hire)
 
 
 def _check_metric(name: str) -> None:

@@ -39,6 +39,7 @@ class RecordingRequest:
         consent_images: Whether the person consented to images being stored.
         seed: Of the virtual camera and of whatever the tracker draws.
         realtime: Whether frames of the virtual camera come at their time of capture.
+        station: JSON of the station that records, and how its clock stands; whoever records fills it in.
 
     Raises:
         Refused: A value is out of bounds.
@@ -55,6 +56,7 @@ class RecordingRequest:
     consent_images: bool = False
     seed: int = 1
     realtime: bool = False
+    station: str = ""
 
     def __post_init__(self) -> None:
         if self.camera == VIRTUAL and self.exercise not in MOTIONS:

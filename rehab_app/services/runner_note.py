@@ -65,12 +65,8 @@ class Notes:
 
     def sessions(self, course: Course) -> tuple[SessionRow, ...]:
         """What was run in the session, newest first."""
-        rows = self._sessions.list()
-        return tuple(
-            row
-            for row in rows
-            if row.patient_id == course.patient and row.started_utc_ns >= course.began_utc_ns
-        )
+        rows = self._sessions.list(course.patient)
+        return tuple(row for row in rows if row.started_utc_ns >= course.began_utc_ns)
 
     def compose(self, course: Course, now_utc_ns: int) -> Told:
         """The note of a session so far.

@@ -16,6 +16,7 @@ from rehab_app.services.audit import Audit
 from rehab_app.services.limits_json import limits_to_json
 from rehab_app.services.planning import assistance_to_json
 from rehab_app.services.rows import PreparedPlan
+from rehab_app.services.station_claims import Claims
 from rehab_app.therapy.run import PlayResult, record_run, session_header
 from robot_iface.build import capabilities
 from robot_iface.link import MotionClient
@@ -34,12 +35,23 @@ class Runs:
         folder: The clinic folder.
         catalogue: Its catalogue.
         audit: Where runs are noted.
+        claims: Keeps a patient in therapy at one station only.
+        stamp: Gives the JSON that says which station this is and how its clock stands.
     """
 
-    def __init__(self, folder: ClinicFolder, catalogue: Catalogue, audit: Audit) -> None:
+    def __init__(
+        self,
+        folder: ClinicFolder,
+        catalogue: Catalogue,
+        audit: Audit,
+        claims: Claims,
+        stamp: Callable[[], str],
+    ) -> None:
         self._folder = folder
         self._catalogue = catalogue
         self._audit = audit
+        self._claims = claims
+        self._stamp = stamp
 
     def run(
         self,
@@ -61,8 +73,21 @@ class Runs:
             watch: Told every message besides.
 
         Raises:
-            Refused: The certificate is not that of the plan, or the motion process failed.
+            Refused: The certificate is not that of the plan, the patient is in therapy at another station,
+                or the motion process failed.
         """
+        with self._claims.held(prepared.patient_id):
+            return self._run(client, prepared, certificate, actor, out, watch)
+
+    def _run(
+        self,
+        client: MotionClient,
+        prepared: PreparedPlan,
+        certificate: Certificate,
+        actor: Account,
+        out: Path | None,
+        watch: Watch | None,
+    ) -> PlayResult:
         subject = prepared.take_id or prepared.patient_id
         self._audit.note(actor, "play", subject, f"{prepared.plan.prescription.mode} {certificate.digest}")
         device = capabilities(prepared.plan.device)
@@ -75,6 +100,7 @@ class Runs:
             device,
             self._prescription_of(prepared.take_id),
         )
+        header = replace(header, station=self._stamp())
         client.start(prepared.plan, certificate)
         ends: list[RunEnd] = []
         result = record_run(

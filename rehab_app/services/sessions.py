@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 from rehab_app.config import ClinicFolder
@@ -12,6 +13,25 @@ from rehab_app.services.object_rooms import Sealed, sealed_named
 from rehab_app.services.replay import replay_of
 from rehab_app.services.rows import Replay, SessionRow
 from sessions.catalogue import Catalogue, TherapySession
+
+ON_A_PAGE = 100
+
+
+@dataclass(frozen=True, slots=True)
+class SessionPage:
+    """A page of sessions.
+
+    Attributes:
+        rows: Those of this page.
+        total: How many there are on all pages.
+        page: Number of this page, from 1.
+        pages: Number of pages, at least 1.
+    """
+
+    rows: tuple[SessionRow, ...]
+    total: int
+    page: int
+    pages: int
 
 
 class Sessions:
@@ -30,9 +50,25 @@ class Sessions:
         self._catalogue = catalogue
         self._bring = bring
 
-    def list(self) -> tuple[SessionRow, ...]:
-        """All sessions, newest first."""
-        return tuple(self._row(session) for session in self._catalogue.sessions())
+    def list(self, patient: str = "") -> tuple[SessionRow, ...]:
+        """All sessions, newest first; of one patient where named.
+
+        Raises:
+            Refused: No patient has that pseudonym.
+        """
+        return tuple(self._row(session) for session in self._catalogue.sessions(patient))
+
+    def page(self, number: int) -> SessionPage:
+        """A page of the sessions of everybody, newest first.
+
+        Args:
+            number: Of the page, from 1; the last one where there are fewer.
+        """
+        rows, total = self._catalogue.find_sessions(ON_A_PAGE * (max(number, 1) - 1), ON_A_PAGE)
+        pages = max(1, -(-total // ON_A_PAGE))
+        if number > pages:
+            return self.page(pages)
+        return SessionPage(tuple(self._row(row) for row in rows), total, max(number, 1), pages)
 
     def get(self, session: str) -> SessionRow:
         """One session by catalogue id.

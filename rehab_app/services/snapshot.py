@@ -21,7 +21,9 @@ LiveState: TypeAlias = Literal[
     "done",
     "failed",
 ]
-WorkKind: TypeAlias = Literal["", "therapy", "range", "fit"]
+WorkKind: TypeAlias = Literal["", "therapy", "range", "fit", "tone", "tracking"]
+ALONG: frozenset[WorkKind] = frozenset(("therapy", "tracking"))
+"""Runs along the path of a take."""
 BUSY: frozenset[LiveState] = frozenset(("countdown", "recording", "processing", "rehearsing", "playing"))
 _AVERAGE = average_hand()
 
@@ -61,7 +63,7 @@ class LiveSnapshot:
         stop_source: Who pressed stop; "" while it is not pressed.
         speed: Path speed asked for, 0 outside therapy.
         grip: The target grip that is shown beside the hands.
-        kind: What is run: therapy along a take, the range sweep, the fit check; "" outside a run.
+        kind: What is run: therapy or tracking along a take, a sweep, the fit check; "" outside a run.
         device: The robot that moves, "" outside a run.
         worn: Whether the patient wears it.
         mode: Therapy mode, "" outside therapy.

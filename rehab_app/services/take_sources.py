@@ -116,6 +116,7 @@ def record_take(
         request.person or (SUBJECT if virtual else ""),
         request.consent_images,
         "" if calibration is None else calibration.digest,
+        request.station,
     )
     detector, tracker = _eyes(request, protocol, cameras, calibration, subject)
     taken = record_from(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -51,6 +52,7 @@ class Takes:
         audit: Where verbs are noted.
         calibrations: Calibrated cameras.
         hands: Known hands.
+        stamp: Gives the JSON that says which station this is and how its clock stands.
     """
 
     def __init__(
@@ -60,12 +62,14 @@ class Takes:
         audit: Audit,
         calibrations: Calibrations,
         hands: Hands,
+        stamp: Callable[[], str],
     ) -> None:
         self._folder = folder
         self._catalogue = catalogue
         self._audit = audit
         self._calibrations = calibrations
         self._hands = hands
+        self._stamp = stamp
 
     def list(self) -> tuple[TakeRow, ...]:
         """All takes, newest first."""
@@ -145,7 +149,7 @@ class Takes:
         known = self._known_hand(request)
         cameras = (request.camera, *request.beside)
         recorded = record_take(
-            request,
+            replace(request, station=self._stamp()),
             target,
             calibrations=tuple(self._calibrations.current(camera) for camera in cameras),
             subject=known,

@@ -170,7 +170,7 @@ def _other_hand(today: TodaysLimits, kind: VirtualKind) -> tuple[str, ...]:
         return ()
     return (
         f"Today's limits were measured, and a virtual patient rests where its tone leaves it: if the {kind} "
-        "one is refused as outside, give --virtual-patient as when they were measured, or measure again.",
+        "one is refused as outside, choose the virtual patient as when they were measured, or measure again.",
     )
 
 

@@ -6,7 +6,7 @@ nor reports cost anything to one that lists the accounts.
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 from rehab_app.services.wiring_records import RecordsWiring
@@ -51,7 +51,7 @@ class Wiring(RecordsWiring):
         """Runs, kept."""
         from rehab_app.services.runs import Runs
 
-        return Runs(self.place, self.catalogue, self.audit)
+        return Runs(self.place, self.catalogue, self.audit, self.claims, self.stations.stamp)
 
     @cached_property
     def therapy(self) -> Therapy:
@@ -93,10 +93,12 @@ class Wiring(RecordsWiring):
     @cached_property
     def protocols(self) -> Protocols:
         """Assessments whose results are kept."""
+        from rehab_app.services.aside import aside
         from rehab_app.services.protocols import Protocols
         from sessions.metrics import measure_file
 
-        return Protocols(self.protocol_records, self.assessment, self.therapy, measure_file)
+        measure = partial(aside, measure_file) if self.serving else measure_file
+        return Protocols(self.protocol_records, self.assessment, self.therapy, measure)
 
     @cached_property
     def reports(self) -> Reports:
@@ -110,7 +112,7 @@ class Wiring(RecordsWiring):
         """What progress is read beside."""
         from rehab_app.services.progress import Notebook
 
-        return Notebook(self.journal, self.outcomes, self.plans, self.protocol_records)
+        return Notebook(self.journal, self.outcomes, self.plans, self.protocol_records, self.norms)
 
     @cached_property
     def progress(self) -> ProgressReports:
@@ -138,7 +140,8 @@ class Wiring(RecordsWiring):
         """Measures again what was recorded."""
         from rehab_app.services.recompute import Recompute
 
-        return Recompute(self.catalogue, self.numbers, self.audit, self.settings.recompute)
+        bring = self.uploads.bring if self.settings.store.bucket else None
+        return Recompute(self.catalogue, self.numbers, self.audit, self.settings.recompute, bring)
 
     @cached_property
     def norms(self) -> Norms:
@@ -158,8 +161,10 @@ class Wiring(RecordsWiring):
     def live(self) -> LiveDesk:
         """The live state machine."""
         from rehab_app.services.live import LiveDesk
+        from rehab_app.services.live_work import Works
 
-        desk = LiveDesk(self.takes, self.therapy, self.assessment, self.audit, self.interrupted)
+        works = Works(self.therapy, self.assessment, self.takes, self.claims, self.protocols)
+        desk = LiveDesk(self.takes, works, self.audit, self.interrupted)
         self.closing.callback(desk.close)
         return desk
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 from rehab_app import __version__
 from rehab_app.config import ClinicFolder, Settings
+from rehab_app.services.outbox_catalogue import open_catalogue
 from rehab_app.services.tally import CountedAudit
-from sessions.catalogue import Catalogue
 
 if TYPE_CHECKING:
     from rehab_app.services.accounts import Accounts
@@ -29,13 +29,17 @@ if TYPE_CHECKING:
     from rehab_app.services.limit_history import LimitHistory
     from rehab_app.services.live_interrupted import Interrupted
     from rehab_app.services.marker_names import MarkerNames
+    from rehab_app.services.outbox import Outbox
     from rehab_app.services.outcomes import Outcomes
     from rehab_app.services.patient_limits import PatientLimits
     from rehab_app.services.patients import Patients
     from rehab_app.services.plans import Plans
+    from rehab_app.services.presentation import Presentation
     from rehab_app.services.privacy import Privacy
     from rehab_app.services.retouching import Retouching
     from rehab_app.services.sessions import Sessions
+    from rehab_app.services.station_claims import Claims
+    from rehab_app.services.stations import Stations
     from rehab_app.services.takes import Takes
     from rehab_app.services.uploads import Uploads
 
@@ -53,7 +57,7 @@ class RecordsWiring:
         self.place = place
         self.serving = serving
         self.settings = settings
-        self.catalogue = Catalogue.open(place.root, settings.catalogue_url)
+        self.catalogue = open_catalogue(place.root, settings.catalogue_url)
         self.audit = CountedAudit(self.catalogue)
         self.closing = ExitStack()
 
@@ -63,6 +67,13 @@ class RecordsWiring:
         from rehab_app.services.accounts import Accounts
 
         return Accounts(self.catalogue, self.audit)
+
+    @cached_property
+    def presentation(self) -> Presentation:
+        """How the clinic presents itself."""
+        from rehab_app.services.presentation import Presentation
+
+        return Presentation(self.catalogue, self.audit)
 
     @cached_property
     def patients(self) -> Patients:
@@ -132,7 +143,8 @@ class RecordsWiring:
         """Recorded demonstrations."""
         from rehab_app.services.takes import Takes
 
-        return Takes(self.place, self.catalogue, self.audit, self.calibrations, self.hands)
+        stamp = self.stations.stamp
+        return Takes(self.place, self.catalogue, self.audit, self.calibrations, self.hands, stamp)
 
     @cached_property
     def approvals(self) -> Approvals:
@@ -229,3 +241,30 @@ class RecordsWiring:
         from rehab_app.services.live_interrupted import Interrupted
 
         return Interrupted(self.place, self.catalogue, self.takes, self.audit)
+
+    @cached_property
+    def outbox(self) -> Outbox:
+        """What waits for the catalogue of a server."""
+        from rehab_app.services.outbox import Outbox
+
+        outbox = Outbox(self.catalogue)
+        self.closing.callback(outbox.close)
+        return outbox
+
+    @cached_property
+    def claims(self) -> Claims:
+        """Which patients are in therapy here."""
+        from rehab_app.services.station_claims import Claims, identity_of
+
+        claims = Claims(self.catalogue, self.audit, identity_of(self.settings.station_name, __version__))
+        self.closing.callback(claims.close)
+        return claims
+
+    @cached_property
+    def stations(self) -> Stations:
+        """This station among the others."""
+        from rehab_app.services.stations import Stations
+
+        stations = Stations(self.catalogue, self.claims)
+        self.closing.callback(stations.close)
+        return stations

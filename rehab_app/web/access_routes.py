@@ -8,7 +8,7 @@ from starlette.responses import Response
 from starlette.routing import BaseRoute, Route
 
 from rehab_app.access import Verb
-from rehab_app.web.pages import audit, clinic_home, entry, help, kept, mine, own_account, users
+from rehab_app.web.pages import audit, clinic_home, entry, help, kept, mine, own_account, settings, users
 from rehab_app.web.visit import Visit, action, page
 
 
@@ -40,6 +40,11 @@ def access_routes() -> list[BaseRoute]:
         does("/clinic/users/password", users.reset_password, "manage_users", users.PAGE),
         does("/clinic/users/close", users.close, "manage_users", users.PAGE),
         does("/clinic/users/idle", users.set_idle_lock, "manage_users", users.PAGE),
+        shows(settings.PAGE, settings.settings, "manage_users"),
+        *(
+            does(f"{settings.PAGE}/{kind}", settings.change(kind), "manage_users", settings.PAGE)
+            for kind in settings.KINDS
+        ),
         shows("/clinic/audit", audit.audit, "audit"),
         shows("/clinic/audit.csv", audit.download, "audit"),
     ]

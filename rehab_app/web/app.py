@@ -15,12 +15,10 @@ from starlette.middleware import Middleware
 from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
-from starlette.staticfiles import StaticFiles
-from starlette.types import Scope
 
 from rehab_app.access import RateLimit, Verb
 from rehab_app.config import ClinicFolder
-from rehab_app.errors import Refused
+from rehab_app.errors import NoAnswer, Refused
 from rehab_app.services.clinic import Clinic
 from rehab_app.web import health, metrics_page, stop
 from rehab_app.web.access_routes import access_routes
@@ -49,6 +47,7 @@ from rehab_app.web.remember import Remembered
 from rehab_app.web.render import page_templates, render
 from rehab_app.web.signing import Seal, clinic_key
 from rehab_app.web.site import Site, Viewports
+from rehab_app.web.static_files import Static
 from rehab_app.web.telemetry import Telemetry
 from rehab_app.web.viewport import PAIRED
 from rehab_app.web.visit import Visit, action, page
@@ -93,14 +92,22 @@ def create_app(
     )
     app = Starlette(
         routes=_routes(),
-        middleware=[Middleware(Telemetry, meters=meters), Middleware(Guard, hosts=own_names(host))],
+        middleware=_middleware(clinic, meters, host),
         lifespan=lifespan,
-        exception_handlers={404: _not_found, 500: _failed},
+        exception_handlers={404: _not_found, NoAnswer: _failed, 500: _failed},
     )
     app.state.site = site
     app.state.meters = meters
     app.state.doctor = health.Doctor(clinic)
     return app
+
+
+def _middleware(clinic: Clinic, meters: Meters, host: str) -> list[Middleware]:
+    clinic.presentation.language()  # known before the first page; the guard waits for no data base
+    return [
+        Middleware(Telemetry, meters=meters),
+        Middleware(Guard, hosts=own_names(host), usual_language=lambda: clinic.presentation.usual_language),
+    ]
 
 
 async def _warm(site: Site) -> None:
@@ -138,7 +145,7 @@ def _entry_routes() -> list[BaseRoute]:
         Route("/healthz/live", health.live, methods=["GET"]),
         Route("/metrics", metrics_page.metrics, methods=["GET"]),
         Route("/stop/clear", action(stop.clear, "clear_stop", "/"), methods=["POST"]),
-        Mount("/static", _Static(directory=str(resources.files("web_assets") / "static"))),
+        Mount("/static", Static(directory=str(resources.files("web_assets") / "static"))),
     ]
 
 
@@ -157,6 +164,8 @@ def _live_routes() -> list[BaseRoute]:
         does("play", live_run.play, "play"),
         does("measure", live_run.measure, "play"),
         does("fit", live_run.fit, "play"),
+        does("tone", live_run.tone, "play"),
+        does("tracking", live_run.tracking, "play"),
         does("pause", live_run.pause, "stop"),
         does("resume", live_run.resume, "play"),
         does("reverse", live_run.reverse, "play"),
@@ -273,16 +282,7 @@ def _not_found(request: Request, problem: Exception) -> Response:
 
 def _failed(request: Request, problem: Exception) -> Response:
     """The same for what went wrong here; it asks no data base, which may be what failed."""
-    del problem
-    sentence = _("This page failed; the server's log says why. The stop still works.")
-    return render(request.app.state.site, request, "refused.html.j2", status=500, sentence=sentence)
-
-
-class _Static(StaticFiles):
-    """Style sheets and scripts: kept by browsers, but asked for again with their entity tag."""
-
-    async def get_response(self, path: str, scope: Scope) -> Response:
-        """One file."""
-        answer = await super().get_response(path, scope)
-        answer.headers["cache-control"] = "no-cache"
-        return answer
+    sentence, status = _("This page failed; the server's log says why. The stop still works."), 500
+    if isinstance(problem, NoAnswer):
+        sentence, status = str(problem), 503
+    return render(request.app.state.site, request, "refused.html.j2", status=status, sentence=sentence)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ipaddress
 import socket
+from collections.abc import Callable
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -24,11 +25,15 @@ class Guard:
     Args:
         app: The application.
         hosts: Names that this server answers to, besides IP addresses.
+        usual_language: Gives the clinic's language without waiting for anything.
     """
 
-    def __init__(self, app: ASGIApp, hosts: frozenset[str]) -> None:
+    def __init__(
+        self, app: ASGIApp, hosts: frozenset[str], usual_language: Callable[[], str] = lambda: ""
+    ) -> None:
         self._app = app
         self._hosts = hosts
+        self._usual_language = usual_language
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Let a connection pass or refuse it."""
@@ -36,7 +41,7 @@ class Guard:
             await self._app(scope, receive, send)
             return
         asked = HTTPConnection(scope)
-        speak(asked_for(asked.headers, asked.cookies))
+        speak(asked_for(asked.headers, asked.cookies, self._usual_language()))
         status, why = self._refusal(scope)
         if scope["type"] == "websocket":
             await self._socket(scope, receive, send, why)

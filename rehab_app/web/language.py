@@ -30,11 +30,17 @@ def spoken() -> str:
     return _spoken.get()
 
 
-def asked_for(headers: Headers, cookies: dict[str, str]) -> str:
-    """The language that a browser asks for: chosen on a page, else the first that its settings name."""
-    chosen = cookies.get(COOKIE, "")
-    if chosen in LANGUAGES:
-        return chosen
+def asked_for(headers: Headers, cookies: dict[str, str], usual: str = "") -> str:
+    """The language of a browser: chosen on a page, else the clinic's, else the first that its settings name.
+
+    Args:
+        headers: Of the request.
+        cookies: Of the request.
+        usual: Code of the language that the clinic set for whoever has not chosen one, "" for none.
+    """
+    for chosen in (cookies.get(COOKIE, ""), usual):
+        if chosen in LANGUAGES:
+            return chosen
     for part in headers.get("accept-language", "")[:200].split(","):
         code = part.partition(";")[0].strip()[:2].lower()
         if code in LANGUAGES:
@@ -52,14 +58,14 @@ def ngettext(one: str, many: str, count: int) -> str:
     return _catalogue(_spoken.get()).ngettext(one, many, count)
 
 
-def written(value: float, digits: int) -> str:
+def written(value: float, digits: int | None = None) -> str:
     """A number as people of the language write it: with a decimal comma in Italian.
 
     Args:
         value: The number.
-        digits: Digits after it.
+        digits: Digits after it, None for as many as it has.
     """
-    text = f"{value:.{digits}f}"
+    text = f"{value:g}" if digits is None else f"{value:.{digits}f}"
     return text if _spoken.get() == SOURCE else text.replace(".", ",")
 
 

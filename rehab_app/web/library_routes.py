@@ -8,7 +8,7 @@ from starlette.responses import Response
 from starlette.routing import BaseRoute, Route
 
 from rehab_app.access import Verb
-from rehab_app.web.pages import devices, exercises, plans, takes
+from rehab_app.web.pages import devices, exercises, plans, stations, takes
 from rehab_app.web.visit import Visit, action, page
 
 
@@ -39,6 +39,7 @@ def library_routes() -> list[BaseRoute]:
         shows("/takes/{recording}/compare", takes.compare),
         shows("/takes/{recording}/joints/{which}.svg", takes.joints),
         shows("/clinic/devices", devices.devices),
+        shows("/clinic/stations", stations.stations),
         shows("/clinic/calibration", devices.calibration),
         shows("/clinic/calibration/board.{kind}", devices.board),
     ]

@@ -10,12 +10,12 @@ import numpy as np
 from rehab_app.errors import Refused
 from rehab_app.services.live_interrupted import Restored
 from rehab_app.services.live_target import way_of
-from rehab_app.services.snapshot import BUSY, LiveSnapshot
-from rehab_app.web.language import _, marked
+from rehab_app.services.snapshot import ALONG, BUSY, LiveSnapshot
+from rehab_app.web.language import _
 from rehab_app.web.render import day, moment
 from rehab_app.web.runner_state import course_state
 from rehab_app.web.site import Site
-from rehab_app.web.words import ASKED, MODES, NEXT, PHASES, ROBOTS, RUNS, STATES
+from rehab_app.web.words import ASKED, ASSESSED, FOLLOW, MODES, NEXT, PHASES, ROBOTS, RUNS, STATES, TOLD
 
 _SERVER = secrets.token_hex(4)
 """Names this process: a page that sees another name has outlived a restart and asks for its picture anew."""
@@ -32,7 +32,7 @@ def live_state(site: Site, page: str) -> dict[str, Any]:
     return {
         "state": now.state,
         "word": _word(now),
-        "message": now.message if now.paused else _(ASKED.get(_going(now), now.message)),
+        "message": _message(now),
         "busy": now.state in BUSY,
         "stopped": bool(now.stop_source),
         "paused": now.paused,
@@ -85,9 +85,14 @@ def _course(site: Site) -> dict[str, Any] | None:
     return told | {"who": _identity(site, course.patient), "done": site.clinic.runner.done()}
 
 
-def _going(now: LiveSnapshot) -> str:
-    """The phase of a run that goes on, "" otherwise."""
-    return now.phase if now.state == "playing" else ""
+def _message(now: LiveSnapshot) -> str:
+    """What is asked of the therapist now; held, why."""
+    if now.paused or now.state != "playing":
+        return _(now.message)
+    if now.kind == "tracking":
+        return _(FOLLOW)
+    told = TOLD if now.kind == "tone" else ASKED
+    return _(told.get(now.phase, now.message))
 
 
 def _word(now: LiveSnapshot) -> str:
@@ -119,7 +124,9 @@ def acts_of(now: LiveSnapshot) -> dict[str, str]:
     acts = {"pause": "❚❚ " + _("Pause")}
     if now.kind == "range":
         acts |= {"reverse": "◀ " + _("Back to rest"), "next": "» " + _next_posture(now)}
-    elif now.kind == "therapy":
+    elif now.kind == "tone":
+        acts["reverse"] = "◀ " + _("End the test here")
+    elif now.kind in ALONG:
         acts["reverse"] = "◀ " + _("Reverse")
         if now.phase in NEXT:
             acts["next"] = "» " + _(NEXT[now.phase])
@@ -136,8 +143,7 @@ def _run(now: LiveSnapshot) -> str:
     """What is run, on what: Active-assisted, exoskeleton (simulation)."""
     if not now.kind:
         return ""
-    names = {"range": marked("Today's range"), "fit": marked("Fit check")}
-    run = names.get(now.kind) or MODES.get(now.mode, now.mode)
+    run = ASSESSED.get(now.kind) or MODES.get(now.mode, now.mode)
     return f"{_(run)}, {_(ROBOTS.get(now.device, now.device))}"
 
 

@@ -94,6 +94,10 @@ class _OfClinic(Collector):
         yield GaugeMetricFamily("rehab_motion_playing", playing, float(shown.state == "playing"))
         latched = "Whether the stop is latched."
         yield GaugeMetricFamily("rehab_stop_latched", latched, float(bool(shown.stop_source)))
+        waiting, away = "Rows that wait for the catalogue.", "Whether the catalogue did not answer just now."
+        outbox = self._clinic.outbox.state()
+        yield GaugeMetricFamily("rehab_outbox_waiting", waiting, float(outbox.waiting))
+        yield GaugeMetricFamily("rehab_catalogue_away", away, float(outbox.away))
         free = "Free space of the clinic folder."
         yield GaugeMetricFamily("rehab_disk_free_bytes", free, shutil.disk_usage(self._clinic.folder).free)
 

@@ -15,7 +15,7 @@ from rehab_app.access import Account, Role
 from rehab_app.web import language
 from rehab_app.web.language import LANGUAGES, _, spoken
 from rehab_app.web.signing import Ticket
-from rehab_app.web.words import EXERCISES, MODES
+from rehab_app.web.words import EXERCISES, JOINT_WORDS, MODES
 from rehab_app.web.words_access import ROLE_WORDS
 
 if TYPE_CHECKING:
@@ -42,9 +42,11 @@ def page_templates() -> Environment:
     environment.filters["day"] = day
     environment.filters["moment"] = moment
     environment.filters["instant"] = instant
+    environment.filters["written"] = language.written
     environment.filters["exercise"] = exercise
     environment.filters["mode"] = mode
     environment.filters["role"] = role
+    environment.filters["joint"] = joint
     return environment
 
 
@@ -83,6 +85,8 @@ def render(
         status: HTTP status.
         values: What the template shows.
     """
+    if visitor is not None:
+        site.clinic.presentation.language()  # what another station set is taken up
     notice = site.seal.read_notice(request.cookies.get("rehab_notice"))
     html = site.templates.get_template(template).render(
         visitor=visitor,
@@ -91,6 +95,7 @@ def render(
         path=request.url.path,
         idle_s=0 if visitor is None or visitor.role == "patient" else site.clinic.accounts.sign_ins.idle_s(),
         notice=notice,
+        outbox=site.clinic.outbox.state(),
         version=site.clinic.version,
         language=spoken(),
         languages=LANGUAGES,
@@ -106,6 +111,13 @@ def render(
 def exercise(name: str) -> str:
     """An exercise in words."""
     return _(EXERCISES.get(name, name.replace("_", " ")))
+
+
+def joint(name: str) -> str:
+    """A joint in words: Index MCP flexion."""
+    digit, *rest = name.split("_")
+    words = (_(JOINT_WORDS.get(part, part.upper())) for part in rest)
+    return " ".join((_(digit).capitalize(), *words))
 
 
 def role(name: Role) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
 
+from rehab_app.web.language import _
 from rehab_app.web.presence import ticket_of
 from rehab_app.web.site import Site
 from rehab_app.web.visit import Visit, wants_json
@@ -32,7 +33,7 @@ def clear(visit: Visit) -> Response:
     """Release the stop; the service asks for the role and the confirmation."""
     visit.site.clinic.live.clear_stop(visit.account, visit.asked(CONFIRMED) == "yes")
     back = visit.asked("back")
-    return visit.go(back if is_local(back) else "/", "The stop was cleared.")
+    return visit.go(back if is_local(back) else "/", _("The stop was cleared."))
 
 
 def is_local(path: str) -> bool:

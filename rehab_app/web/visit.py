@@ -12,9 +12,10 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
 
 from rehab_app.access import Account, Verb
-from rehab_app.errors import REFUSALS, Refused, RobotRefused
+from rehab_app.errors import REFUSALS, NoAnswer, Refused, RobotRefused
 from rehab_app.web.language import _
 from rehab_app.web.presence import COOKIE, Present, give_cookie, present
+from rehab_app.web.refusals import sentence_of
 from rehab_app.web.render import render
 from rehab_app.web.signing import Ticket
 from rehab_app.web.site import Site
@@ -147,7 +148,7 @@ def _looked_at(request: Request, answer: Answer, verb: Verb) -> Response:
     try:
         shown = answer(visit)
     except REFUSALS as refusal:
-        return _refused_page(visit, refusal, 404)
+        return _refused_page(visit, refusal, 503 if isinstance(refusal, NoAnswer) else 404)
     _note_view(visit, shown)
     return shown
 
@@ -166,12 +167,12 @@ def _acted_on(request: Request, form: Mapping[str, str], answer: Answer, verb: V
         site.clinic.accounts.require(there.account, verb)
     except Refused as refusal:
         _note_refused(visit)
-        return _refusal(visit, _sentence(refusal), 403, back)
+        return _refusal(visit, sentence_of(refusal), 403, back)
     site.kept_forms.drop(request.cookies.get(KEPT, ""))
     try:
         return answer(visit)
     except REFUSALS as refusal:
-        return _refusal(visit, _sentence(refusal), 409, back)
+        return _refusal(visit, sentence_of(refusal), 409, back)
 
 
 def _there(site: Site, request: Request, form: Mapping[str, str] | None = None) -> Present | Response:
@@ -231,9 +232,4 @@ def _refusal(visit: Visit, sentence: str, status: int, back: str) -> Response:
 
 
 def _refused_page(visit: Visit, refusal: Refused | RobotRefused, status: int) -> Response:
-    return visit.page("refused.html.j2", status=status, sentence=_sentence(refusal))
-
-
-def _sentence(refusal: Refused | RobotRefused) -> str:
-    text = str(refusal)
-    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")
+    return visit.page("refused.html.j2", status=status, sentence=sentence_of(refusal))

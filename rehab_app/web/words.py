@@ -16,6 +16,8 @@ ROBOTS = {
     "dlr-hit-ii": marked("DLR-HIT-Hand II (simulation)"),
 }
 SPACES = {"joint": marked("at the joints"), "fingertip": marked("at the fingertips")}
+JOINT_WORDS = {"flexion": marked("flexion"), "abduction": marked("abduction")}
+"""Parts of a joint's name that are words; the others are written in capitals."""
 EXERCISES = {
     **{one.name: one.words for one in STARTERS},
     "open_close": marked("Hand opening and closing"),
@@ -98,7 +100,26 @@ ASKED = {
     "skin-check": marked("Look at the skin, then go on."),
 }
 """What a phase asks of the therapist."""
-RUNS = {"therapy": marked("Playing"), "range": marked("Measuring"), "fit": marked("Checking fit")}
+RUNS = {
+    "therapy": marked("Playing"),
+    "range": marked("Measuring"),
+    "fit": marked("Checking fit"),
+    "tone": marked("Measuring"),
+    "tracking": marked("Measuring"),
+}
+ASSESSED = {
+    "range": marked("Today's range"),
+    "fit": marked("Fit check"),
+    "tone": marked("Tone at three speeds"),
+    "tracking": marked("Target tracking"),
+}
+TOLD = {
+    "fold": marked("Tell the patient: let your hand be moved, do not help. The fingers bend to the start."),
+    "stretch": marked("Tell the patient: let your hand be moved, do not help. The fingers are stretched."),
+    "rest": marked("Rest: the hand relaxes. The next stretch follows by itself."),
+}
+"""What the therapist says in a phase of the tone test."""
+FOLLOW = marked("Tell the patient: follow the outlined hand with your own. The robot does not help.")
 NEXT = {
     "cue": marked("Help now"),
     "hold": marked("End the hold"),

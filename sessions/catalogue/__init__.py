@@ -13,6 +13,7 @@ from sessions.catalogue.clinical_records import (
     DayLimits,
     FitCheck,
     LimitChange,
+    LimitsRead,
     ModeUnlock,
 )
 from sessions.catalogue.records import (
@@ -28,6 +29,7 @@ from sessions.catalogue.records import (
     TherapySession,
     User,
 )
+from sessions.catalogue.stations_records import ClockTrip, PatientClaim, Station
 
 __all__ = [
     "ENTRY_KINDS",
@@ -43,17 +45,21 @@ __all__ = [
     "CameraCalibration",
     "Catalogue",
     "ClinicalRecord",
+    "ClockTrip",
     "DayLimits",
     "Exercise",
     "FitCheck",
     "Hand",
     "LimitChange",
+    "LimitsRead",
     "ModeUnlock",
     "Patient",
+    "PatientClaim",
     "PatientEntry",
     "PrescriptionRow",
     "Setting",
     "SignIn",
+    "Station",
     "Take",
     "TherapySession",
     "User",

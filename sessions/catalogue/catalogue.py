@@ -6,14 +6,17 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from sessions.catalogue.beginnings import Beginnings
 from sessions.catalogue.calibrations import Calibrations
 from sessions.catalogue.clinic import Book
 from sessions.catalogue.clinical import Clinical
 from sessions.catalogue.copying import Copying
-from sessions.catalogue.engine import open_engine
+from sessions.catalogue.deliveries import Deliveries
+from sessions.catalogue.engine import engine_to_look, open_engine
 from sessions.catalogue.erasure import Erasure
 from sessions.catalogue.people import People
 from sessions.catalogue.sign_ins import SignIns
+from sessions.catalogue.stations import Stations
 from sessions.catalogue.takes import Takes
 from sessions.catalogue.therapy import Therapy
 from sessions.catalogue.trail import Trail
@@ -22,8 +25,22 @@ from sessions.errors import Refused
 FILE = "clinic.sqlite3"
 
 
-class Catalogue(People, SignIns, Takes, Therapy, Clinical, Book, Calibrations, Trail, Copying, Erasure):
-    """People and what is known and written of them, takes, orders, sessions, cameras, hands, the audit."""
+class Catalogue(
+    People,
+    SignIns,
+    Takes,
+    Therapy,
+    Clinical,
+    Book,
+    Calibrations,
+    Stations,
+    Beginnings,
+    Deliveries,
+    Trail,
+    Copying,
+    Erasure,
+):
+    """People and what is known and written of them, takes, orders, sessions, cameras, stations, the audit."""
 
     @classmethod
     def open(cls, folder: Path, url: str = "", clock_ns: Callable[[], int] = time.time_ns) -> Catalogue:
@@ -47,6 +64,26 @@ class Catalogue(People, SignIns, Takes, Therapy, Clinical, Book, Calibrations, T
                 "choose another with --data",
             ) from error
         return cls(open_engine(url or f"sqlite:///{folder / FILE}"), clock_ns)
+
+    @classmethod
+    def look(cls, folder: Path, url: str = "") -> Catalogue | None:
+        """The catalogue of a clinic folder as it is: nothing is made, nothing migrated.
+
+        Args:
+            folder: Clinic folder, which need not exist.
+            url: SQLAlchemy URL; by default the SQLite file in the folder.
+
+        Returns:
+            The catalogue, None where there is none of this program's version.
+
+        Raises:
+            Refused: The data base cannot be used.
+        """
+        file = folder / FILE
+        if not url and not file.is_file():
+            return None
+        engine = engine_to_look(url or f"sqlite:///{file}")
+        return None if engine is None else cls(engine)
 
     def close(self) -> None:
         """Give back every connection."""

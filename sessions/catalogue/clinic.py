@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from sessions.catalogue.clinic_records import PatientEntry, Setting
 from sessions.catalogue.clinic_tables import MetricSetRow, PatientEntryRow, SettingRow
 from sessions.catalogue.ledger import Ledger
 from sessions.catalogue.rows import by_id, patient_row, value_of
 from sessions.catalogue.tables import TherapySessionRow
+from sessions.catalogue.versions import check_newest
 
 
 class Book(Ledger):
@@ -23,22 +25,42 @@ class Book(Ledger):
             Refused: Patient or session is unknown.
         """
         with self._writing() as session:
-            held: str | None = None
-            if entry.session:
-                known = by_id(session, TherapySessionRow, entry.session, "session", "check its id")
-                held = known.id
-            row = PatientEntryRow(
-                patient_row(session, entry.patient).id,
-                entry.kind,
-                entry.topic,
-                held,
-                entry.content,
-                entry.by,
-                self._clock_ns(),
-            )
-            session.add(row)
-            session.flush()
-            return value_of(PatientEntry, row)
+            return self._entered(session, entry)
+
+    def add_version(self, entry: PatientEntry, since: int) -> PatientEntry:
+        """Write an entry that replaces the one before, such as a plan; its number and time are given here.
+
+        Args:
+            entry: What is written.
+            since: Number of the newest entry of this kind and patient as the writer had read it, 0 where
+                there was none.
+
+        Raises:
+            Refused: Patient or session is unknown, or somebody else wrote one since.
+        """
+        with self._writing() as session:
+            of_patient = PatientEntryRow.patient == entry.patient, PatientEntryRow.kind == entry.kind
+            thing = f"{entry.kind} of {entry.patient}"
+            check_newest(session, PatientEntryRow, *of_patient, since=since, thing=thing)
+            return self._entered(session, entry)
+
+    def _entered(self, session: Session, entry: PatientEntry) -> PatientEntry:
+        held: str | None = None
+        if entry.session:
+            known = by_id(session, TherapySessionRow, entry.session, "session", "check its id")
+            held = known.id
+        row = PatientEntryRow(
+            patient_row(session, entry.patient).id,
+            entry.kind,
+            entry.topic,
+            held,
+            entry.content,
+            entry.by,
+            self._clock_ns(),
+        )
+        session.add(row)
+        session.flush()
+        return value_of(PatientEntry, row)
 
     def entries(
         self, patient: str, kinds: Iterable[str], topic: str = "", session: str = "", limit: int = 500

@@ -17,7 +17,7 @@ class PatientEntryRow(Table):
     patient: Mapped[str] = mapped_column(ForeignKey("patients.id"))
     kind: Mapped[str] = mapped_column(String(30))
     topic: Mapped[str] = mapped_column(String(60))
-    session: Mapped[str | None] = mapped_column(ForeignKey("therapy_sessions.id"))
+    session: Mapped[str | None] = mapped_column(ForeignKey("therapy_sessions.id"), index=True)
     content: Mapped[str] = mapped_column(Text)
     by: Mapped[str] = mapped_column(String(120))
     created_utc_ns: Mapped[int] = mapped_column(BigInteger)

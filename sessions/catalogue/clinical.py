@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from sqlalchemy import select
+from sqlalchemy.orm import Session
 
 from sessions.catalogue.clinical_records import (
     AssistanceMemory,
@@ -10,6 +11,7 @@ from sessions.catalogue.clinical_records import (
     DayLimits,
     FitCheck,
     LimitChange,
+    LimitsRead,
     ModeUnlock,
 )
 from sessions.catalogue.ledger import Ledger
@@ -23,18 +25,24 @@ from sessions.catalogue.tables import (
     ModeUnlockRow,
     TherapySessionRow,
 )
+from sessions.catalogue.versions import check_newest
 
 
 class Clinical(Ledger):
     """Clinical records, unlocked modes, limits, fit checks and remembered assistance. Lists: newest first."""
 
-    def add_clinical_record(self, record: ClinicalRecord) -> ClinicalRecord:
+    def add_clinical_record(self, record: ClinicalRecord, since: int | None = None) -> ClinicalRecord:
         """Add a version; its number and time are given here.
 
+        Args:
+            record: What is known.
+            since: Version that the writer had read, 0 where there was none; None if it does not matter.
+
         Raises:
-            Refused: The patient is unknown.
+            Refused: The patient is unknown, or somebody else stated a version since.
         """
         with self._writing() as session:
+            _check_record(session, record.patient, since)
             row = ClinicalRecordRow(
                 patient_row(session, record.patient).id,
                 record.diagnosis,
@@ -137,21 +145,30 @@ class Clinical(Ledger):
         Raises:
             Refused: The patient is unknown.
         """
+        return self.add_limit_changes((change,))[0]
+
+    def add_limit_changes(
+        self, changes: tuple[LimitChange, ...], since: LimitsRead | None = None
+    ) -> tuple[LimitChange, ...]:
+        """Add limits that a person set on one patient in one device, all or none.
+
+        Args:
+            changes: What was set.
+            since: What the writer had read; None if it does not matter.
+
+        Raises:
+            Refused: The patient is unknown, or somebody else set limits or stated the record since.
+        """
         with self._writing() as session:
-            row = LimitChangeRow(
-                patient_row(session, change.patient).id,
-                change.device,
-                change.joint,
-                change.limit,
-                change.value,
-                change.expires_utc_ns,
-                change.reason,
-                change.by,
-                self._clock_ns(),
-            )
-            session.add(row)
+            rows: list[LimitChangeRow] = []
+            for change in changes:
+                patient = patient_row(session, change.patient).id
+                if since is not None and not rows:
+                    _check_limits(session, change, since)
+                rows.append(_limit_row(patient, change, self._clock_ns()))
+                session.add(rows[-1])
             session.flush()
-            return value_of(LimitChange, row)
+            return tuple(value_of(LimitChange, row) for row in rows)
 
     def limit_changes(self, patient: str, device: str) -> tuple[LimitChange, ...]:
         """Every limit that was set for a patient in a device, expired ones among them.
@@ -235,3 +252,29 @@ class Clinical(Ledger):
             query = select(FitCheckRow).where(FitCheckRow.patient == known, FitCheckRow.device == device)
             rows = session.scalars(query.order_by(FitCheckRow.id.desc()))
             return tuple(value_of(FitCheck, row) for row in rows)
+
+
+def _check_record(session: Session, patient: str, since: int | None) -> None:
+    thing = f"clinical record of {patient}"
+    check_newest(session, ClinicalRecordRow, ClinicalRecordRow.patient == patient, since=since, thing=thing)
+
+
+def _check_limits(session: Session, change: LimitChange, since: LimitsRead) -> None:
+    of_device = LimitChangeRow.patient == change.patient, LimitChangeRow.device == change.device
+    thing = f"limits of {change.patient}"
+    check_newest(session, LimitChangeRow, *of_device, since=since.change, thing=thing)
+    _check_record(session, change.patient, since.record)
+
+
+def _limit_row(patient: str, change: LimitChange, now_ns: int) -> LimitChangeRow:
+    return LimitChangeRow(
+        patient,
+        change.device,
+        change.joint,
+        change.limit,
+        change.value,
+        change.expires_utc_ns,
+        change.reason,
+        change.by,
+        now_ns,
+    )

@@ -92,7 +92,7 @@ class ModeUnlock:
     def __post_init__(self) -> None:
         _named(self.by, "unlock")
         if self.unlocked and not self.reason.strip():
-            raise Refused("reason of the unlock", "empty", "a sentence", "say why with --reason")
+            raise Refused("reason of the unlock", "empty", "a sentence", "say why")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -165,6 +165,19 @@ class LimitChange:
         if not math.isfinite(self.value):
             raise Refused(f"limit of {self.joint}", f"{self.value}", "a finite number", "type a number")
         _named(self.by, "limit")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitsRead:
+    """On what somebody stands who changes limits of a patient in a device.
+
+    Attributes:
+        change: Number of the newest limit that was set there, 0 where none was.
+        record: Number of the newest clinical record, 0 where none was stated.
+    """
+
+    change: int
+    record: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -23,6 +23,7 @@ class Copying(Moving):
 
         Raises:
             Refused: A data base on a server does not answer.
+            OSError: The target cannot be written: the disk is full, or refuses.
         """
         if self._engine.dialect.name != "sqlite":
             self.move_to(f"sqlite:///{target}")
@@ -32,5 +33,7 @@ class Copying(Moving):
             source: Any = pooled.driver_connection
             with closing(sqlite3.connect(target)) as copy:
                 source.backup(copy, pages=_PAGES)
+        except sqlite3.OperationalError as error:
+            raise OSError(f"copy of the data base: {error}") from error
         finally:
             pooled.close()

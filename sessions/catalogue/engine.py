@@ -12,11 +12,9 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import URL, Connection, Engine, create_engine, event, make_url
 from sqlalchemy.exc import ArgumentError, DBAPIError
 
-from sessions.errors import Refused
+from sessions.errors import NoAnswer, Refused
 
 BUSY_MS = 5000
-CONNECT_S = 5
-STATEMENT_MS = 30_000
 WRITING = {"writing": True}
 """Execution option of transactions that write: they take the write lock at once, not half-way."""
 _WRITE_LOCK = 0x72656861
@@ -44,6 +42,39 @@ def open_engine(url: str) -> Engine:
     return engine
 
 
+def engine_to_look(url: str) -> Engine | None:
+    """An engine for looking only: nothing is made and nothing migrated.
+
+    Args:
+        url: SQLAlchemy URL of a data base that exists.
+
+    Returns:
+        The engine; None where the data base is of another version, or has no tables yet.
+
+    Raises:
+        Refused: The data base cannot be used.
+    """
+    engine = _engine(_address(url))
+    try:
+        with engine.connect() as connection:
+            found = MigrationContext.configure(connection).get_current_revision()
+    except DBAPIError as error:
+        engine.dispose()
+        raise unusable(engine.dialect.name, error) from error
+    if found != _newest():
+        engine.dispose()
+        return None
+    return engine
+
+
+def _newest() -> str | None:
+    """The revision that this program brings a data base to."""
+    config = Config()
+    with resources.as_file(resources.files("sessions.catalogue") / "migrations") as scripts:
+        config.set_main_option("script_location", str(scripts).replace("%", "%%"))
+        return ScriptDirectory.from_config(config).get_current_head()
+
+
 def unusable(engine: str, error: DBAPIError) -> Refused:
     """Why the data base cannot be used, in one sentence.
 
@@ -59,7 +90,7 @@ def unusable(engine: str, error: DBAPIError) -> Refused:
             "a data base that can be written and that is the clinic's own",
             "choose another folder with --data, or restore a backup",
         )
-    return Refused(
+    return NoAnswer(
         "clinic data base",
         f"not answering ({said[:300]})",
         "a PostgreSQL server that can be reached and signed in to",
@@ -88,15 +119,18 @@ def _engine(address: URL) -> Engine:
         event.listen(engine, "connect", _tune_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
         return engine
-    options = f"-c statement_timeout={STATEMENT_MS} -c lock_timeout={STATEMENT_MS}"
-    asked = {"connect_timeout": CONNECT_S, "options": options}
     try:
-        engine = create_engine(address, pool_pre_ping=True, connect_args=asked)
+        from sessions.catalogue.patience import LOCK_MS, asked_of_server, be_patient
+
+        engine = create_engine(
+            address, pool_pre_ping=True, pool_timeout=LOCK_MS / 1000, connect_args=asked_of_server()
+        )
     except ModuleNotFoundError as error:
         extra = "the extra 'postgres'"
         raise Refused(
             "PostgreSQL", "without its driver", extra, "pip install 'rehab-app[postgres]'"
         ) from error
+    be_patient(engine)
     event.listen(engine, "begin", _begin_postgresql)
     return engine
 
@@ -119,7 +153,11 @@ def _begin_sqlite(connection: Connection) -> None:
 
 def _begin_postgresql(connection: Connection) -> None:
     """One writer at a time: numbers, versions and the audit chain are read and written in one transaction."""
-    if connection.get_execution_options().get("writing", False):
+    from sessions.catalogue.patience import wait_as_asked
+
+    options = connection.get_execution_options()
+    wait_as_asked(connection.connection.driver_connection, options.get("migrating", False))
+    if options.get("writing", False):
         connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_WRITE_LOCK})")
 
 
@@ -140,7 +178,7 @@ def _migrate(engine: Engine) -> None:
                 f"at most {head}",
                 "open it with a newer rehab-app",
             )
-        with engine.execution_options(**WRITING).begin() as connection:
+        with engine.execution_options(**WRITING, migrating=True).begin() as connection:
             if MigrationContext.configure(connection).get_current_revision() == head:
                 return  # another station was first
             config.attributes["connection"] = connection

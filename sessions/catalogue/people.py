@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from itertools import islice
+from typing import Any
 
-from sqlalchemy import func, select
-from sqlalchemy.orm import Session
+from sqlalchemy import ColumnElement, func, or_, select
 
 from sessions.catalogue.ledger import Ledger
 from sessions.catalogue.records import Patient, User
-from sessions.catalogue.rows import find_patient, patient_row, user_row, value_of
+from sessions.catalogue.rows import find_patient, patient_row, user_row, value_of, values_of
 from sessions.catalogue.search import ORDERS, folded, words_of
 from sessions.catalogue.tables import PatientRow, UserRow
 from sessions.errors import Refused
@@ -46,8 +46,7 @@ class People(Ledger):
     def users(self) -> tuple[User, ...]:
         """All users by name."""
         with self._reading() as session:
-            rows = session.scalars(select(UserRow).order_by(UserRow.name))
-            return tuple(value_of(User, row) for row in rows)
+            return tuple(sorted(values_of(session, User, select(UserRow)), key=lambda user: user.name))
 
     def change_user(self, user: User) -> User:
         """Write role, password hash and activity of the user with this name.
@@ -129,30 +128,28 @@ class People(Ledger):
             raise Refused("order of patients", repr(order[:40]), "one of " + ", ".join(ORDERS), "choose one")
         words = words_of(typed)
         with self._reading() as session:
-            found = [row for row in _outlines(session, archived) if all(word in row[-1] for word in words)]
-            found.sort(key=lambda row: row[1 + ORDERS.index(key)], reverse=order.startswith("-"))
-            ids = [str(row[0]) for row in found[start : start + count]]
-            rows = session.scalars(select(PatientRow).where(PatientRow.id.in_(ids)))
-            values = {row.id: value_of(Patient, row) for row in rows}
-            return tuple(values[one] for one in ids), len(found)
+            fits = [PatientRow.archived == archived]
+            fits += [PatientRow.sought.contains(word, autoescape=True) for word in words]
+            total = session.scalar(select(func.count()).select_from(PatientRow).where(*fits)) or 0
+            query = select(PatientRow).where(*fits).order_by(*_order(key, turned=order.startswith("-")))
+            return values_of(session, Patient, query.offset(start).limit(count)), total
 
     def namesakes(self, given_name: str, family_name: str, birth_date: str) -> tuple[Patient, ...]:
         """Patients of the same name or the same birth date, the archived among them."""
         name = folded(f"{given_name} {family_name}")
+        same = [PatientRow.sought.startswith(f"{name} ", autoescape=True)] if name else []
+        same += [PatientRow.birth_date == birth_date] if birth_date else []
+        if not same:
+            return ()
         with self._reading() as session:
-            query = select(
-                PatientRow.id, PatientRow.given_name, PatientRow.family_name, PatientRow.birth_date
-            )
-            ids = [
-                pseudonym
-                for pseudonym, given, family, born in session.execute(query)
-                if (name and folded(f"{given} {family}") == name) or (birth_date and born == birth_date)
-            ]
-            return self._of(session, ids[:_NAMESAKES])
-
-    def _of(self, session: Session, ids: Iterable[str]) -> tuple[Patient, ...]:
-        query = select(PatientRow).where(PatientRow.id.in_(tuple(ids))).order_by(PatientRow.number)
-        return tuple(value_of(Patient, row) for row in session.scalars(query))
+            query = select(PatientRow).where(or_(*same)).order_by(PatientRow.number)
+            found = values_of(session, Patient, query)
+        alike = (
+            one
+            for one in found  # a longer name begins with this one too
+            if folded(f"{one.given_name} {one.family_name}") == name or birth_date == one.birth_date != ""
+        )
+        return tuple(islice(alike, _NAMESAKES))
 
     def change_patient(self, patient: Patient) -> Patient:
         """Write everything of the patient with this pseudonym, archived or not among it.
@@ -178,20 +175,13 @@ class People(Ledger):
             return value_of(Patient, row)
 
 
-def _outlines(session: Session, archived: bool) -> list[tuple[str, tuple[str, int], str, str, int, str]]:
-    """Id, a key for each of ORDERS, the text that is searched: few columns, so that 10,000 are quick."""
-    row = PatientRow
-    query = select(row.id, row.number, row.given_name, row.family_name, row.birth_date, row.side)
-    return [
-        (
-            pseudonym,
-            (folded(f"{family} {given}"), number),
-            born,
-            side,
-            number,
-            f"{folded(f'{given} {family}')} {born} {pseudonym.casefold()}",
-        )
-        for pseudonym, number, given, family, born, side in session.execute(
-            query.where(row.archived == archived).order_by(row.number)
-        )
-    ]
+def _order(key: str, *, turned: bool) -> tuple[ColumnElement[Any], ...]:
+    """The columns that one of ORDERS sorts by; equal dates and sides stand in the order of pseudonyms."""
+    number: ColumnElement[Any] = PatientRow.number.expression
+    if key == "added":
+        return (number.desc() if turned else number,)
+    if key == "name":
+        name = PatientRow.sorted_name.expression
+        return (name.desc(), number.desc()) if turned else (name, number)
+    column = (PatientRow.birth_date if key == "birth" else PatientRow.side).expression
+    return (column.desc() if turned else column, number)

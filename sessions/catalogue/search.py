@@ -8,6 +8,8 @@ from functools import lru_cache
 
 ORDERS = ("name", "birth", "side", "added")
 """What a list of patients can be sorted by."""
+CODE_POINTS = "C"
+"""PostgreSQL's collation that sorts by code point, as SQLite does: one order of names on every engine."""
 _PLAIN = str.maketrans(
     {"ø": "o", "ł": "l", "đ": "d", "ħ": "h", "ı": "i", "æ": "ae", "œ": "oe", "ð": "d", "þ": "th"}
 )
@@ -31,6 +33,16 @@ def words_of(typed: str) -> tuple[str, ...]:
     """
     words = folded(typed.replace(",", " ").replace(";", " ")).split()
     return tuple(_as_date(word) for word in words)
+
+
+def sought_text(given_name: str, family_name: str, birth_date: str, pseudonym: str) -> str:
+    """The text of a patient in which every typed word must be found."""
+    return f"{folded(f'{given_name} {family_name}')} {birth_date} {pseudonym.casefold()}"
+
+
+def sorted_name(given_name: str, family_name: str) -> str:
+    """The name by which a patient stands in a list."""
+    return folded(f"{family_name} {given_name}")
 
 
 def _as_date(word: str) -> str:

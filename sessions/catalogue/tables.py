@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from sqlalchemy import BigInteger, ForeignKey, MetaData, String, Text
+from sqlalchemy import BigInteger, ForeignKey, Index, MetaData, String, Text, event
 from sqlalchemy.orm import DeclarativeBase, Mapped, MappedAsDataclass, mapped_column
+
+from sessions.catalogue.search import CODE_POINTS, sorted_name, sought_text
+from sessions.catalogue.texts import check_texts
 
 NAMES = {
     "ix": "ix_%(column_0_label)s",
@@ -35,6 +38,7 @@ class PatientRow(Table):
     """Patients; the only table with their names."""
 
     __tablename__ = "patients"
+    __table_args__ = (Index("ix_patients_archived_sorted_name", "archived", "sorted_name", "number"),)
     number: Mapped[int] = mapped_column(primary_key=True, init=False)
     id: Mapped[str] = mapped_column(String(20), unique=True)
     given_name: Mapped[str] = mapped_column(String(120))
@@ -46,6 +50,10 @@ class PatientRow(Table):
     archived: Mapped[bool]
     created_utc_ns: Mapped[int] = mapped_column(BigInteger)
     version: Mapped[int]
+    sorted_name: Mapped[str] = mapped_column(
+        Text().with_variant(Text(collation=CODE_POINTS), "postgresql"), init=False, default=""
+    )
+    sought: Mapped[str] = mapped_column(Text, init=False, default="")
 
 
 class ExerciseRow(Table):
@@ -67,8 +75,8 @@ class TakeRow(Table):
     exercise: Mapped[str] = mapped_column(String(120))
     source: Mapped[str] = mapped_column(String(60))
     duration_s: Mapped[float]
-    subject_id: Mapped[str] = mapped_column(String(60))
-    parent: Mapped[str | None] = mapped_column(ForeignKey("takes.id"))
+    subject_id: Mapped[str] = mapped_column(String(60), index=True)
+    parent: Mapped[str | None] = mapped_column(ForeignKey("takes.id"), index=True)
     author: Mapped[str] = mapped_column(String(120))
     reason: Mapped[str] = mapped_column(Text)
     retouch: Mapped[str] = mapped_column(Text)
@@ -92,7 +100,7 @@ class PrescriptionTableRow(Table):
     __tablename__ = "prescriptions"
     id: Mapped[int] = mapped_column(primary_key=True, init=False)
     patient: Mapped[str] = mapped_column(ForeignKey("patients.id"), index=True)
-    take: Mapped[str] = mapped_column(ForeignKey("takes.id"))
+    take: Mapped[str] = mapped_column(ForeignKey("takes.id"), index=True)
     mode: Mapped[str] = mapped_column(String(20))
     speed: Mapped[float]
     repetitions: Mapped[int]
@@ -109,11 +117,11 @@ class TherapySessionRow(Table):
     __tablename__ = "therapy_sessions"
     id: Mapped[str] = mapped_column(String(64), primary_key=True)
     patient: Mapped[str | None] = mapped_column(ForeignKey("patients.id"), index=True)
-    take: Mapped[str | None] = mapped_column(ForeignKey("takes.id"))
+    take: Mapped[str | None] = mapped_column(ForeignKey("takes.id"), index=True)
     sha256: Mapped[str] = mapped_column(String(64), unique=True)
     path: Mapped[str] = mapped_column(Text, unique=True)
     mode: Mapped[str] = mapped_column(String(20))
-    started_utc_ns: Mapped[int] = mapped_column(BigInteger)
+    started_utc_ns: Mapped[int] = mapped_column(BigInteger, index=True)
 
 
 class CameraCalibrationRow(Table):
@@ -241,7 +249,18 @@ class AuditTableRow(Table):
     utc_ns: Mapped[int] = mapped_column(BigInteger)
     actor: Mapped[str] = mapped_column(String(120))
     verb: Mapped[str] = mapped_column(String(60))
-    subject: Mapped[str] = mapped_column(String(120))
+    subject: Mapped[str] = mapped_column(String(120), index=True)
     detail: Mapped[str] = mapped_column(Text)
     previous_hash: Mapped[str] = mapped_column(String(64))
     hash: Mapped[str] = mapped_column(String(64))
+
+
+def _keep_findable(_mapper: object, _connection: object, row: PatientRow) -> None:
+    """What lists and searches read follows the names, whoever writes them."""
+    row.sorted_name = sorted_name(row.given_name, row.family_name)
+    row.sought = sought_text(row.given_name, row.family_name, row.birth_date, row.id)
+
+
+for _when in ("before_insert", "before_update"):
+    event.listen(PatientRow, _when, _keep_findable)
+    event.listen(Table, _when, check_texts, propagate=True)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from sqlalchemy import func, select
+from sqlalchemy import Select, func, select
 
 from sessions.catalogue.ledger import Ledger
 from sessions.catalogue.records import Approval, Exercise, Take
-from sessions.catalogue.rows import refuse_path, relative, short_id, take_row, value_of
+from sessions.catalogue.rows import refuse_path, relative, short_id, take_row, value_of, values_of
 from sessions.catalogue.tables import ApprovalRow, ExerciseRow, TakeRow
 from sessions.errors import Refused
 
@@ -26,8 +26,8 @@ class Takes(Ledger):
     def exercises(self) -> tuple[Exercise, ...]:
         """The library by name."""
         with self._reading() as session:
-            rows = session.scalars(select(ExerciseRow).order_by(ExerciseRow.name))
-            return tuple(value_of(Exercise, row) for row in rows)
+            found = values_of(session, Exercise, select(ExerciseRow))
+            return tuple(sorted(found, key=lambda exercise: exercise.name))
 
     def add_take(self, take: Take) -> Take:
         """Add a sealed take; its id is given here. A file that is there already is given back as it is.
@@ -73,8 +73,12 @@ class Takes(Ledger):
     def takes(self) -> tuple[Take, ...]:
         """All takes, newest first."""
         with self._reading() as session:
-            rows = session.scalars(select(TakeRow).order_by(TakeRow.created_utc_ns.desc(), TakeRow.id))
-            return tuple(value_of(Take, row) for row in rows)
+            return values_of(session, Take, _newest_first())
+
+    def takes_of(self, subject: str) -> tuple[Take, ...]:
+        """Takes of one person's own hands by pseudonym, newest first."""
+        with self._reading() as session:
+            return values_of(session, Take, _newest_first().where(TakeRow.subject_id == subject))
 
     def approve(self, take: str, by: str) -> Approval:
         """Record a therapist's approval of exactly this file. Whether ``by`` may approve is for services.
@@ -106,8 +110,8 @@ class Takes(Ledger):
         newest = select(func.max(ApprovalRow.id)).join(TakeRow, TakeRow.id == ApprovalRow.take)
         known = newest.where(ApprovalRow.digest.in_((TakeRow.sha256, _NO_FILE))).group_by(ApprovalRow.take)
         with self._reading() as session:
-            rows = session.scalars(select(ApprovalRow).where(ApprovalRow.id.in_(known)))
-            return {row.take: value_of(Approval, row) for row in rows if row.digest != _NO_FILE}
+            rows = values_of(session, Approval, select(ApprovalRow).where(ApprovalRow.id.in_(known)))
+            return {row.take: row for row in rows if row.digest != _NO_FILE}
 
     def approval(self, take: str) -> Approval | None:
         """The approval that holds for a take, None where it was never approved or was withdrawn since.
@@ -122,3 +126,7 @@ class Takes(Ledger):
             )
             row = session.scalar(query.order_by(ApprovalRow.id.desc()).limit(1))
             return None if row is None or row.digest == _NO_FILE else value_of(Approval, row)
+
+
+def _newest_first() -> Select[TakeRow]:
+    return select(TakeRow).order_by(TakeRow.created_utc_ns.desc(), TakeRow.id)

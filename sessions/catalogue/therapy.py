@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 
 from sessions.catalogue.ledger import Ledger
 from sessions.catalogue.records import PrescriptionRow, TherapySession
-from sessions.catalogue.rows import by_id, patient_row, refuse_path, relative, short_id, take_row, value_of
+from sessions.catalogue.rows import (
+    by_id,
+    patient_row,
+    refuse_path,
+    relative,
+    short_id,
+    take_row,
+    value_of,
+    values_of,
+)
 from sessions.catalogue.tables import PrescriptionTableRow, TherapySessionRow
 
 
@@ -95,4 +104,12 @@ class Therapy(Ledger):
             query = select(TherapySessionRow).order_by(TherapySessionRow.started_utc_ns.desc())
             if patient:
                 query = query.where(TherapySessionRow.patient == patient_row(session, patient).id)
-            return tuple(value_of(TherapySession, row) for row in session.scalars(query))
+            return values_of(session, TherapySession, query)
+
+    def find_sessions(self, start: int, count: int) -> tuple[tuple[TherapySession, ...], int]:
+        """Therapy sessions of everybody, newest first: a part of them, and how many there are in all."""
+        row = TherapySessionRow
+        query = select(row).order_by(row.started_utc_ns.desc()).offset(start).limit(count)
+        with self._reading() as session:
+            total = session.scalar(select(func.count()).select_from(row)) or 0
+            return values_of(session, TherapySession, query), total

@@ -13,6 +13,7 @@ from sessions.catalogue.ledger import Ledger
 from sessions.catalogue.records import AuditRow
 from sessions.catalogue.rows import value_of
 from sessions.catalogue.tables import AuditTableRow
+from sessions.catalogue.texts import storable
 
 
 class Trail(Ledger):
@@ -44,6 +45,8 @@ class Trail(Ledger):
 
     def find_audit(self, wanted: AuditFilter, start: int, count: int) -> tuple[tuple[AuditRow, ...], int]:
         """Rows that fit, newest first, and how many fit in all."""
+        if not all(storable(text) for text in (wanted.actor, wanted.verb, wanted.subject)):
+            return (), 0
         conditions = _conditions(wanted)
         with self._reading() as session:
             total = session.scalar(select(func.count()).select_from(AuditTableRow).where(*conditions)) or 0
@@ -54,9 +57,9 @@ class Trail(Ledger):
     def audit_words(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Actors and verbs of the audit, each once and in order."""
         with self._reading() as session:
-            actors = session.scalars(select(AuditTableRow.actor).distinct().order_by(AuditTableRow.actor))
-            verbs = session.scalars(select(AuditTableRow.verb).distinct().order_by(AuditTableRow.verb))
-            return tuple(actors), tuple(verbs)
+            actors = session.scalars(select(AuditTableRow.actor).distinct())
+            verbs = session.scalars(select(AuditTableRow.verb).distinct())
+            return tuple(sorted(actors)), tuple(sorted(verbs))
 
     def verify_audit(self) -> int:
         """Follow the whole chain and count its rows.

@@ -12,18 +12,31 @@ from numpy.typing import NDArray
 from sessions.metrics.metric import Estimate
 from sessions.records.fields import Float64
 
+JUMP_S = 5.0
+"""The hand is recorded many times a second; a longer step tells nothing of what was done in it."""
 
-def time_in(t_s: Float64, phase: NDArray[np.str_], wanted: Sequence[str]) -> Estimate:
+
+def time_in(
+    t_s: Float64, phase: NDArray[np.str_], wanted: Sequence[str], seen_s: Float64 | None = None
+) -> Estimate:
     """Seconds spent in some phases: each row lasts until the next one.
+
+    Time that goes back counts nothing, nor does time in which the hand was not recorded for ``JUMP_S``: the
+    clock jumped, or nobody knows what was done.
 
     Args:
         t_s: Times of the phase rows, shape (N,).
         phase: Phase of each row, shape (N,).
         wanted: Phases that count.
+        seen_s: Times at which the hand was recorded, shape (M,), on the same clock; None where it always was.
     """
     if t_s.size < 2:
         return Estimate.missing("no phases were recorded")
-    return Estimate(float(np.sum(np.diff(t_s)[np.isin(phase[:-1], list(wanted))])))
+    step = np.maximum(np.diff(t_s), 0.0)
+    seen = t_s[:0] if seen_s is None else seen_s
+    for row in np.flatnonzero(np.diff(seen) > JUMP_S).tolist():
+        step -= np.maximum(np.minimum(t_s[1:], seen[row + 1]) - np.maximum(t_s[:-1], seen[row]), 0.0)
+    return Estimate(float(np.sum(step[np.isin(phase[:-1], list(wanted))])))
 
 
 def dose_completed(completed: int, prescription: str) -> Estimate:

@@ -54,7 +54,10 @@ def works(t_s: Float64, tau_interaction_nm: Float64, dq_rad_s: Float64) -> tuple
         return (Work(0.0, 0.0, 0.0),) * len(tau_interaction_nm)
     step = np.diff(t_s, append=t_s[-1])
     step = np.minimum(step, 3.0 * float(np.median(step)))
-    energy = np.nan_to_num(tau_interaction_nm * dq_rad_s * step)
+    energy = tau_interaction_nm * dq_rad_s
+    energy *= step
+    if not bool(np.isfinite(energy).all()):
+        energy = np.nan_to_num(energy)
     deepest = np.cumsum(energy, axis=1).min(axis=1)
     given, returned = np.maximum(energy, 0.0).sum(axis=1), -np.minimum(energy, 0.0).sum(axis=1)
     return tuple(

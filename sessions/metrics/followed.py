@@ -12,7 +12,7 @@ from sessions.metrics.metric import Estimate, Metric, metric
 from sessions.metrics.recording import Origin, seconds
 from sessions.metrics.strokes import over_strokes
 from sessions.metrics.timing import Decomposition, decompose
-from sessions.metrics.tracking import pooled_rmse, rmse, rmse_columns
+from sessions.metrics.tracking import pooled_rmse, rmse_columns
 from sessions.records import DIGITS, JOINTS
 from sessions.records.fields import Float64, Int64
 from sessions.records.topics import PATIENT_POSE, PHASE, REFERENCE
@@ -20,7 +20,8 @@ from sessions.records.topics import PATIENT_POSE, PHASE, REFERENCE
 UNKNOWN_STIFFNESS = "the stiffness at which it was obtained is not in the file"
 TOPICS = (PATIENT_POSE, REFERENCE, PHASE)
 MANY = 10_000
-"""Rows above which joints are compared one by one."""
+"""Rows above which joints are compared a few at a time: copies of all of half an hour would not fit."""
+AT_ONCE = 7
 DECOMPOSED = 12
 """Most repetitions whose error is taken apart, spread evenly over the session."""
 _PARTS: tuple[tuple[str, Callable[[Decomposition], Estimate]], ...] = (
@@ -60,30 +61,20 @@ class Followed:
 
     def joint_errors(self, rows: Int64) -> list[tuple[Estimate, bool]]:
         """Error of each of the 21 joints over some row numbers, and whether it was measured."""
-        if rows.size > MANY:  # copies of all columns of half an hour would not fit
-            columns = range(len(JOINTS))
-            return [
-                (self._joint_error(column, rows), self.joint_flags[column] != ESTIMATED) for column in columns
-            ]
-        errors = rmse_columns(
-            self.joints_rad[rows], self.reference_joints_rad[rows], self.patient.joint_std_rad[rows]
-        )
+        width, errors = AT_ONCE if rows.size > MANY else len(JOINTS), list[Estimate]()
+        for first in range(0, len(JOINTS), width):
+            some = slice(first, first + width)
+            std = self.patient.joint_std_rad[:, some][rows]
+            errors += rmse_columns(
+                self.joints_rad[:, some][rows], self.reference_joints_rad[:, some][rows], std
+            )
         return [(error, flag != ESTIMATED) for error, flag in zip(errors, self.joint_flags, strict=True)]
-
-    def _joint_error(self, joint: int, rows: Int64) -> Estimate:
-        std = self.patient.joint_std_rad[rows, joint]
-        return rmse(self.joints_rad[rows, joint], self.reference_joints_rad[rows, joint], std)
 
     def fingertip_errors(self, rows: Int64) -> list[Estimate]:
         """Error of each of the five fingertips over some row numbers."""
-        return [
-            rmse(
-                self.tips_m[rows, digit],
-                self.reference_tips_m[rows, digit],
-                self.patient.fingertip_std_m[rows, digit],
-            )
-            for digit in range(len(DIGITS))
-        ]
+        return rmse_columns(
+            self.tips_m[rows], self.reference_tips_m[rows], self.patient.fingertip_std_m[rows]
+        )
 
     def joint_rmse(self, rows: Int64) -> Estimate:
         """Joint error over all measured joints."""
@@ -123,9 +114,7 @@ def followed_by(patient: HandMotion, joints_rad: Float64, tips_m: Float64, repet
         tips_m: The therapist's fingertips, shape (N, 5, 3).
         repetition: Repetition that was moved or held, -1 where none, shape (N,).
     """
-    usable = [patient.usable_joint(joint) for joint in range(len(JOINTS))]
-    angles = np.stack([angle for angle, _ in usable], axis=1)
-    flags = tuple(flag for _, flag in usable)
+    angles, flags = patient.usable_joints()
     return Followed(patient, joints_rad, tips_m, repetition, angles, flags, patient.usable_tips())
 
 

@@ -59,16 +59,17 @@ class HandMotion:
             self.topic, at_rows(self.t_ns, rows), *(at_rows(column, rows) for column in (*columns, *tips))
         )
 
-    def usable_joint(self, joint: int) -> tuple[Float64, str]:
-        """Angles of one joint (N,) with NaN where they may not be used, and what must be said of them."""
-        status = self.joint_status[:, joint]
-        measured = (status == Status.MEASURED) & np.isfinite(self.joints_rad[:, joint])
-        if not bool(measured.any()):
-            usable = status == Status.ESTIMATED
-            return np.where(usable, self.joints_rad[:, joint], np.nan), ESTIMATED if usable.any() else ""
-        share = float(measured.mean())
-        flag = "" if share >= MOSTLY else f"measured in {share:.0%} of the frames"
-        return np.where(measured, self.joints_rad[:, joint], np.nan), flag
+    def usable_joints(self) -> tuple[Float64, tuple[str, ...]]:
+        """Angles (N, 21) with NaN where they may not be used, and what must be said of each joint."""
+        measured = (self.joint_status == Status.MEASURED) & np.isfinite(self.joints_rad)
+        number = measured.sum(axis=0)
+        estimated = (self.joint_status == Status.ESTIMATED) & (number == 0)
+        guessed = estimated.any(axis=0).tolist()
+        flags = [
+            _seen(count / len(measured)) if count else ESTIMATED if guess else ""
+            for count, guess in zip(number.tolist(), guessed, strict=True)
+        ]
+        return np.where(measured | estimated, self.joints_rad, np.nan), tuple(flags)
 
     def measured_joints(self) -> Float64:
         """Angles with NaN wherever they were not measured, shape (N, 21)."""
@@ -91,6 +92,10 @@ class HandMotion:
         )
 
 
+def _seen(share: float) -> str:
+    return "" if share >= MOSTLY else f"measured in {share:.0%} of the frames"
+
+
 def at_rows(column: NDArray[Any], rows: Int64) -> NDArray[Any]:
     """Some rows of a column; the column itself where these are all of them in their order."""
     return column if np.array_equal(rows, np.arange(len(column))) else column[rows]
@@ -101,9 +106,9 @@ def range_metrics(motion: HandMotion, origin: Origin) -> list[Metric]:
     found: list[Metric] = []
     t_s = seconds(motion.t_ns)
     lineage = origin.lineage((motion.topic,), motion.t_ns, FILTER)
-    for column, joint in enumerate(JOINTS):
-        angle, flag = motion.usable_joint(column)
-        extent = joint_range(t_s, angle, motion.joint_std_rad[:, column])
+    angles, flags = motion.usable_joints()
+    for column, (joint, flag) in enumerate(zip(JOINTS, flags, strict=True)):
+        extent = joint_range(t_s, angles[:, column].copy(), motion.joint_std_rad[:, column])
         for name, value in zip(
             ("range_of_motion", "angle_min", "angle_max"),
             (extent.width, extent.low, extent.high),

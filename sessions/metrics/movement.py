@@ -23,7 +23,11 @@ def active_rows(speed: Float64) -> slice:
 
 def movement_time(speed: Float64, rate_hz: float) -> Estimate:
     """Seconds from onset to offset, of a speed profile (N,)."""
-    rows = active_rows(speed)
+    return time_of(active_rows(speed), rate_hz)
+
+
+def time_of(rows: slice, rate_hz: float) -> Estimate:
+    """Seconds from onset to offset, of the rows that ``active_rows`` gives."""
     if rows.stop - rows.start < 2:
         return Estimate.missing("nothing moved")
     return Estimate((rows.stop - rows.start - 1) / rate_hz)

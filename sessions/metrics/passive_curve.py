@@ -20,6 +20,10 @@ STILL_RAD_S = math.radians(1.0)
 """Slower than this there is no direction, and no work."""
 FEWEST = 3
 """Steps of 10 ms that a cell of the curve needs; each is the mean of ten ticks at 1 kHz."""
+FEWEST_STEPS = 100
+"""Steps that the whole curve needs, 1 s of movement: its scatter is then known to some 7 percent."""
+FEWEST_CELLS = 3
+"""Cells that it needs in either direction: 6 degrees there and back."""
 COVERED = 0.9
 """Part of the moving samples that the curve must know, or nothing is separated."""
 NOT_COVERED = "not separable: the passive curve of this day does not reach as far"
@@ -65,7 +69,10 @@ class OwnWork:
 
 
 def passive_curve(q_rad: Float64, dq_rad_s: Float64, tau_nm: Float64) -> PassiveCurve | None:
-    """The curve of one joint from a passive run, None where it moved too little.
+    """The curve of one joint from a passive run, None where it moved too little or was met too seldom.
+
+    A cell needs ``FEWEST`` steps, the curve ``FEWEST_STEPS`` in such cells and ``FEWEST_CELLS`` of them each
+    way: the torque of a few samples, and their scatter, would be taken for the limb's.
 
     Args:
         q_rad: Angles, shape (N,).
@@ -86,8 +93,11 @@ def passive_curve(q_rad: Float64, dq_rad_s: Float64, tau_nm: Float64) -> Passive
             if np.count_nonzero(chosen) >= FEWEST:
                 torque[direction, number - first] = np.median(tau[chosen])
                 rest[chosen] = tau[chosen] - torque[direction, number - first]
-    spread = float(np.sqrt(np.nanmean(rest**2))) if bool(np.isfinite(rest).any()) else math.nan
-    return PassiveCurve(first, torque, spread) if math.isfinite(spread) else None
+    met = np.isfinite(rest)
+    few = np.count_nonzero(met) < FEWEST_STEPS
+    if few or int(np.isfinite(torque).sum(axis=1).min()) < FEWEST_CELLS:
+        return None
+    return PassiveCurve(first, torque, float(np.sqrt(np.mean(rest[met] ** 2))))
 
 
 def own_work(

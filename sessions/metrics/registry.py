@@ -163,11 +163,15 @@ _ROWS = (
 VERSIONS: Mapping[str, str] = {
     "sparc_floor": "2",
     "ldlj_floor": "3",
-    "robot_share": "3",
+    "robot_share": "4",
+    "repetitions": "2",
+    "repetition_rate": "2",
+    "dose_time": "2",
     **dict.fromkeys(("ldlj", "joint_rmse", "robot_work", "returned_work", "stiffness"), "2"),
-    **dict.fromkeys(("aperture", "span", "finger_spread", "angle_min"), "2"),
+    **dict.fromkeys(("aperture", "span"), "3"),
+    **dict.fromkeys(("finger_spread", "finger_to_palm", "angle_min"), "2"),
     **dict.fromkeys(("total_active_motion", "active_motion_share"), "2"),
-    **dict.fromkeys(("work_share", "patient_work", "resisting_work"), "2"),
+    **dict.fromkeys(("work_share", "patient_work", "resisting_work"), "3"),
 }
 """Names whose method is no longer at version 1."""
 

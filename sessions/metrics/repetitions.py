@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -11,12 +12,14 @@ from scipy import signal
 
 from sessions.metrics.filtering import low_pass
 from sessions.metrics.spans import Span, uniform_spans
-from sessions.records.fields import Float64, Int64
+from sessions.records.fields import Float64
 
 SMALLEST_RAD = math.radians(10.0)
 """A turn smaller than this is no repetition."""
 SMALLEST_SHARE = 0.3
 """Nor is one smaller than this share of the whole excursion."""
+NEAR_SHARE = 0.1
+"""Within this share of the whole excursion the hand is at its turning point."""
 SEEN_SHARE = 0.5
 """A joint takes part in the main movement where it was seen in at least this share of the rows."""
 
@@ -84,19 +87,48 @@ def cycles(t_s: Float64, movement_rad: Float64) -> Cycles:
     prominence = max(SMALLEST_RAD, SMALLEST_SHARE * amplitude)
     count, strokes, turns = 0, list[tuple[float, float, float]](), list[float]()
     for span, part in zip(spans, smooth, strict=True):
-        highs, _ = signal.find_peaks(part, prominence=prominence)
-        lows, _ = signal.find_peaks(-part, prominence=prominence)
+        found = _turns(part, prominence)
+        highs, lows = _alternating(found)
         count += max(len(highs), len(lows))
-        turns += [float(t) for t in span.t_s[highs if len(highs) >= len(lows) else lows]]
-        strokes += _strokes(span, part, np.sort(np.concatenate((highs, lows))), prominence)
+        turns += [_middle_s(span, part, turn, amplitude) for turn in max(highs, lows, key=len)]
+        strokes += _strokes(span, part, [turn for turn, _ in found], prominence)
     rate = (len(turns) - 1) / (turns[-1] - turns[0]) if len(turns) >= 2 else math.nan
     rows = np.array(strokes, dtype=np.float64).reshape(-1, 3)
     return Cycles(count, rows[:, :2], rows[:, 2], rate, amplitude)
 
 
-def _strokes(span: Span, part: Float64, turns: Int64, smallest: float) -> list[tuple[float, float, float]]:
+def _turns(part: Float64, prominence: float) -> list[tuple[int, int]]:
+    """Rows of the turning points in their order, each with 0 for a high and 1 for a low."""
+    highs, _ = signal.find_peaks(part, prominence=prominence)
+    lows, _ = signal.find_peaks(-part, prominence=prominence)
+    return sorted([(int(turn), 0) for turn in highs] + [(int(turn), 1) for turn in lows])
+
+
+def _alternating(turns: list[tuple[int, int]]) -> tuple[list[int], list[int]]:
+    """Highs and lows in turn; of equal highs with no low between, as at the ends of a hold, the first."""
+    found: tuple[list[int], list[int]] = ([], [])
+    before = -1
+    for turn, kind in turns:
+        if kind != before:
+            found[kind].append(turn)
+        before = kind
+    return found
+
+
+def _middle_s(span: Span, part: Float64, turn: int, amplitude: float) -> float:
+    """Middle of the time that was spent near a turning point: in a hold the turn itself may lie anywhere."""
+    away = np.abs(part - part[turn]) > NEAR_SHARE * amplitude
+    before, after = np.flatnonzero(away[:turn]), np.flatnonzero(away[turn:])
+    first = int(before[-1]) + 1 if before.size else 0
+    last = turn + int(after[0]) - 1 if after.size else part.size - 1
+    return 0.5 * float(span.t_s[first] + span.t_s[last])
+
+
+def _strokes(
+    span: Span, part: Float64, turns: Sequence[int], smallest: float
+) -> list[tuple[float, float, float]]:
     """Stretches between neighbouring turning points (the ends of the span among them) that travel enough."""
-    edges = [0, *(int(turn) for turn in turns), part.size - 1]
+    edges = [0, *turns, part.size - 1]
     return [
         (float(span.t_s[a]), float(span.t_s[b]), abs(float(part[b] - part[a])))
         for a, b in pairwise(edges)

@@ -80,7 +80,7 @@ def stretch(
     """
     q, dq, tau = measured
     known = np.isfinite(tau)
-    magnitude = np.abs(np.where(known, tau, 0.0))
+    magnitude = np.abs(tau if bool(known.all()) else np.where(known, tau, 0.0))
     peak = np.where(known.any(axis=1), magnitude.max(axis=1), math.nan)
     return Stretch(
         repetition,

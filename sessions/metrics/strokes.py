@@ -10,7 +10,7 @@ from scipy.special import stdtrit
 
 from sessions.metrics.filtering import low_pass, speed_m_s
 from sessions.metrics.metric import Estimate
-from sessions.metrics.movement import active_rows, movement_time, path_ratio, peak_speed
+from sessions.metrics.movement import active_rows, path_ratio, peak_speed, time_of
 from sessions.metrics.smoothness import ldlj_many, sparc_many
 from sessions.metrics.spans import uniform_spans
 from sessions.records.fields import Float64
@@ -128,7 +128,7 @@ def _of_many(paths_m: list[Float64], rate_hz: float) -> list[StrokeValues]:
         StrokeValues(
             arc,
             jerk,
-            movement_time(speed, rate_hz),
+            time_of(used, rate_hz),
             peak_speed(speed),
             path_ratio(path[used]),
             float(np.linalg.norm(path[used][-1] - path[used][0])),

@@ -14,13 +14,17 @@ from sessions.records.fields import Float64
 from sessions.records.topics import PHASE, ROBOT_COMMAND
 
 
-def assistance(phases: Phases, repetition: int | None = None) -> Float64:
+def assistance(phases: Phases) -> Float64:
     """Mean stiffness multiple by digit while moving and holding, shape (5,), NaN for digits not driven."""
-    rows = np.isin(phases.phase, ACTIVE_PHASES)
-    rows &= phases.repetition >= 0 if repetition is None else phases.repetition == repetition
+    rows = np.isin(phases.phase, ACTIVE_PHASES) & (phases.repetition >= 0)
+    return mean_assistance(phases.assistance[rows])
+
+
+def mean_assistance(helped: Float64) -> Float64:
+    """Mean by digit, shape (5,), of stiffness multiples (N, 5); NaN for digits not driven."""
     result = np.full(len(DIGITS), np.nan)
     for digit in range(len(DIGITS)):
-        values = phases.assistance[rows, digit]
+        values = helped[:, digit]
         known = values[np.isfinite(values)]
         if known.size:
             result[digit] = known.mean()

@@ -27,7 +27,7 @@ from sessions.metrics.robot_fold import fold
 from sessions.metrics.separated import PassiveRun, separated_metrics, separation
 from sessions.metrics.started import start_metrics
 from sessions.metrics.summary import Overlay, Repetition, Stop, Summary
-from sessions.metrics.support import assistance, conditions, modes, support_metrics
+from sessions.metrics.support import conditions, mean_assistance, modes, support_metrics
 from sessions.records.topics import EVENTS, PATIENT_POSE, PHASE, REFERENCE
 
 
@@ -127,7 +127,7 @@ def _patient(recording: Recording) -> tuple[HandMotion, str]:
         np.asarray(rows["fingertips_palm_m"], dtype=np.float64),
         np.asarray(rows["fingertip_std_m"], dtype=np.float64),
     )
-    return motion, " and ".join(sorted({str(source) for source in rows["source"]}))
+    return motion, " and ".join(sorted(set[str](rows["source"].tolist())))
 
 
 def _followed(recording: Recording, patient: HandMotion, phases: Phases) -> Followed:
@@ -160,7 +160,7 @@ def _repetitions(read: _Read) -> list[Repetition]:
                 ended and str(phases.phase[after]) != "stopped",
                 read.followed.joint_rmse(chosen).value if read.conditions else float("nan"),
                 read.followed.fingertip_rmse(chosen).value if read.conditions else float("nan"),
-                tuple(float(value) for value in assistance(phases, int(index))),
+                tuple(float(value) for value in mean_assistance(phases.assistance[rows])),
                 read.robot.share(every, int(index)).value,
             )
         )
@@ -172,11 +172,11 @@ def _dose(read: _Read, repetitions: list[Repetition], stops: tuple[Stop, ...], o
     by_patient = sum(item.started_by == "patient" for item in completed)
     lineage = read.origin.lineage((PHASE,), read.phases.t_ns)
     of_events = read.origin.lineage((EVENTS,), read.phases.t_ns)
-    t_s = seconds(read.phases.t_ns)
+    t_s, seen_s = ((t_ns - read.phases.t_ns[0]) * 1e-9 for t_ns in (read.phases.t_ns, read.patient.t_ns))
     rows = (
         ("repetitions", Estimate(float(len(completed)))),
         ("repetitions_by_patient", Estimate(float(by_patient))),
-        ("dose_time", time_in(t_s, read.phases.phase, ACTIVE_PHASES)),
+        ("dose_time", time_in(t_s, read.phases.phase, ACTIVE_PHASES, seen_s)),
         ("dose_completed", dose_completed(len(completed), ordered)),
     )
     found = [metric(name, "whole", value, lineage) for name, value in rows]

@@ -42,8 +42,10 @@ def rmse(values: Float64, reference: Float64, std: Float64) -> Estimate:
 
 
 def rmse_columns(values: Float64, reference: Float64, std: Float64) -> list[Estimate]:
-    """``rmse`` of each of J columns, each of shape (N,), from shapes (N, J); those without a gap together."""
-    distance, spread = np.abs((values - reference).T, order="C"), np.ascontiguousarray(std.T)
+    """``rmse`` of each of J columns, (N, J) or (N, J, D) and std (N, J); those without a gap together."""
+    error = values - reference
+    apart = np.abs(error) if error.ndim == 2 else np.linalg.norm(error, axis=2)
+    distance, spread = np.ascontiguousarray(apart.T), np.ascontiguousarray(std.T)
     if not distance.size or not bool(np.isfinite(distance).all() and np.isfinite(spread).all()):
         return [rmse(values[:, j], reference[:, j], std[:, j]) for j in range(values.shape[1])]
     level = np.sqrt(np.mean(distance**2, axis=1))

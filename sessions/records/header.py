@@ -36,6 +36,8 @@ class SessionHeader:
         parents: SHA-256 digests of the files this one was made from.
         utc_start_ns: UTC at the session's start.
         monotonic_start_ns: Monotonic clock at the same instant.
+        station: JSON of the station that recorded it and how its clock stood to the data base's; empty where
+            nobody said.
         format_version: Version of the file format.
 
     Raises:
@@ -61,6 +63,7 @@ class SessionHeader:
     certificate: str = ""
     consent_images: bool = False
     parents: tuple[str, ...] = ()
+    station: str = ""
     format_version: int = FORMAT_VERSION
 
     def __post_init__(self) -> None:

@@ -12,13 +12,14 @@ from dataclasses import dataclass
 
 from sessions.metrics import Estimate, definition
 from sessions.metrics.norms import lag, norm_of, share_of
+from sessions.reports.language import _, decimal, marked
 from sessions.reports.paper import Words
 from sessions.reports.past import Kept, Past
 from sessions.reports.wording import MISSING, joint_name
 
 EXERCISE = "range assessment"
 BY_JOINT = ("range_of_motion", "range_share", "extension_lag", "contracture")
-NO_GRADE = "This is torque that a device measured, and no Modified Ashworth grade."
+NO_GRADE = marked("This is torque that a device measured, and no Modified Ashworth grade.")
 AT_END = "flagged: at least, device limit"
 
 
@@ -108,14 +109,20 @@ def tone_words(tones: Sequence[Tone]) -> Words | None:
         alike = [one for one in of_joint if one.device == of_joint[-1].device]
         shown = (alike[0] if len(alike) > 1 else None, alike[-2] if len(alike) > 2 else None, alike[-1])
         rows.append((joint_name(joint), *(_tone(one) for one in shown), _judged(alike)))
-    return Words(("Resistance to stretching", "Baseline", "Last", "Now", "Change"), tuple(rows))
+    return Words(
+        (_("Resistance to stretching"), _("Baseline"), _("Last"), _("Now"), _("Change")), tuple(rows)
+    )
 
 
 def _tone(one: Tone | None) -> str:
     if one is None:
         return MISSING
     parts = [
-        f"{torque:.3f} Nm at {math.degrees(speed):.0f} °/s"
+        _(
+            "%(torque)s Nm at %(speed)s °/s",
+            torque=decimal(f"{torque:.3f}"),
+            speed=f"{math.degrees(speed):.0f}",
+        )
         for speed, torque in zip(one.speeds_rad_s, one.resistance_nm, strict=True)
         if math.isfinite(speed) and math.isfinite(torque)
     ]
@@ -126,14 +133,22 @@ def _judged(alike: Sequence[Tone]) -> str:
     """What may be said of the rise with speed: its repeatability is not known, so never that it is real."""
     first, now = alike[0], alike[-1]
     if len(alike) < 2:
-        return "measured once"
+        return _("measured once")
     if first.interval_nms_rad is None or now.interval_nms_rad is None:
-        return "not measurable: speeds too alike"
+        return _("not measurable: speeds too alike")
     apart = abs(now.per_speed_nms_rad - first.per_speed_nms_rad)
     both = math.hypot(*((high - low) / 2.0 for low, high in (first.interval_nms_rad, now.interval_nms_rad)))
-    rise = f"{first.per_speed_nms_rad:.3f}, now {now.per_speed_nms_rad:.3f} Nm s/rad"
-    within = "beyond" if apart > both else "within"
-    return f"not measurable: repeatability unknown; rise with speed {rise}, {within} both intervals"
+    rise = _(
+        "%(before)s, now %(now)s Nm s/rad",
+        before=decimal(f"{first.per_speed_nms_rad:.3f}"),
+        now=decimal(f"{now.per_speed_nms_rad:.3f}"),
+    )
+    within = _("beyond both intervals") if apart > both else _("within both intervals")
+    return _(
+        "not measurable: repeatability unknown; rise with speed %(rise)s, %(within)s",
+        rise=rise,
+        within=within,
+    )
 
 
 def _range(joint: str, ends: tuple[float, float], source: str, status: str) -> list[Kept]:

@@ -16,6 +16,8 @@ import numpy as np
 from sessions.metrics import Curves, Overlay, Summary
 from sessions.records import DIGITS, JOINTS
 from sessions.records.fields import Float64
+from sessions.reports.language import _, decimal
+from sessions.reports.remarks import remark
 from sessions.reports.wording import joint_name
 
 if TYPE_CHECKING:
@@ -30,6 +32,10 @@ MOVED_SHARE = 0.15
 """A digit or joint is drawn where it moves by at least this share of the one that moves most."""
 MOVED_RAD = np.deg2rad(2.0)
 MOST_JOINTS = 6
+MANY_REPETITIONS = 60
+"""More than so many bars are drawn as one outline: nobody tells them apart, and each takes time."""
+MARKS = 12
+"""About so many repetitions are marked on a line and on the axis below it."""
 FEW_DIGITS = 2
 """Up to so many digits leave room for a panel against time beside each path."""
 _STYLE: dict[Any, Any] = {
@@ -74,10 +80,12 @@ def paths_picture(overlay: Overlay, key: str) -> str:
         _path(axes, overlay, column, largest * 1000.0)
         if beside:
             _height(panels[2 * place + 1], overlay, column)
-    panels[0].set_ylabel("out of the palm (mm)")
-    figure.supxlabel("paths: towards the fingers (mm)" if beside else "towards the fingers (mm)", fontsize=9)
+    panels[0].set_ylabel(_("out of the palm (mm)"))
+    figure.supxlabel(
+        _("paths: towards the fingers (mm)") if beside else _("towards the fingers (mm)"), fontsize=9
+    )
     _legend(figure, panels[0])
-    return svg(figure, key, f"Fingertip paths seen from the thumb's side, {overlay.shown}")
+    return svg(figure, key, _said(_("Fingertip paths seen from the thumb's side"), overlay.shown))
 
 
 @drawing()
@@ -107,11 +115,11 @@ def joints_picture(summary: Summary, key: str) -> str:
         axes.set_title(joint_name(JOINTS[column]), fontsize=9)
         axes.xaxis.set_tick_params(labelbottom=place >= len(chosen) - 3)
         if place >= len(chosen) - 3:
-            axes.set_xlabel("time (s)")
+            axes.set_xlabel(_("time (s)"))
         if place % 3 == 0:
-            axes.set_ylabel("angle (°)")
+            axes.set_ylabel(_("angle (°)"))
     _legend(figure, grid.flat[0])
-    return svg(figure, key, f"Joint angles against time, {overlay.shown}")
+    return svg(figure, key, _said(_("Joint angles against time"), overlay.shown))
 
 
 @drawing()
@@ -123,23 +131,39 @@ def repetitions_picture(summary: Summary, key: str) -> str:
     figure = new_figure(7.4, 2.3)
     left, right = _row(figure, 2)
     number = [item.index + 1 for item in known]
-    left.bar(number, [float(np.rad2deg(item.rmse_rad)) for item in known], 0.6, color=PATIENT["color"])
-    left.set_ylabel("joint error (° RMS)")
+    _bars(left, number, [float(np.rad2deg(item.rmse_rad)) for item in known])
+    left.set_ylabel(_("joint error (° RMS)"))
     helped = np.array([item.assistance for item in known])
     for column in range(len(DIGITS)):
         if np.isfinite(helped[:, column]).any():
             marker = "osD^v"[column]
             right.plot(
-                number, helped[:, column], marker=marker, label=DIGITS[column], linewidth=1.4, markersize=5
+                number,
+                helped[:, column],
+                marker=marker,
+                markevery=max(1, len(number) // MARKS),
+                label=joint_name(DIGITS[column]),
+                linewidth=1.4,
+                markersize=5,
             )
-    right.set_ylabel("assistance (× thesis gains)")
+    right.set_ylabel(_("assistance (× thesis gains)"))
     right.set_ylim(bottom=0.0)
     for axes in (left, right):
-        axes.set_xlabel("repetition")
-        axes.set_xticks(number if len(number) <= 12 else number[:: max(1, len(number) // 10)])
+        axes.set_xlabel(_("repetition"))
+        axes.set_xticks(number if len(number) <= MARKS else number[:: max(1, len(number) // 10)])
     if right.lines:
         right.legend(loc="best", fontsize=8, ncols=2)
-    return svg(figure, key, f"Joint error and assistance by repetition, at {summary.conditions}")
+    return svg(figure, key, _said(_("Joint error and assistance by repetition"), summary.conditions))
+
+
+def _bars(axes: Axes, number: list[int], height: list[float]) -> None:
+    """A bar per repetition; of many, the outline of bars that touch."""
+    if len(number) <= MANY_REPETITIONS:
+        axes.bar(number, height, 0.6, color=PATIENT["color"])
+        return
+    edges = np.repeat(number, 2) + np.tile((-0.5, 0.5), len(number))
+    axes.fill_between(edges, np.repeat(height, 2), color=PATIENT["color"], linewidth=0.0)
+    axes.set_ylim(bottom=0.0)
 
 
 def _path(axes: Axes, overlay: Overlay, column: int, extent_mm: float) -> None:
@@ -148,21 +172,21 @@ def _path(axes: Axes, overlay: Overlay, column: int, extent_mm: float) -> None:
         tip_mm = curves.fingertips_palm_m[:, column] * 1000.0
         axes.plot(tip_mm[:, 2], tip_mm[:, 0], label=label, **style)
     _same_scale(axes, overlay, column, extent_mm)
-    axes.set_title(f"{DIGITS[column].capitalize()}: path", fontsize=9)
+    axes.set_title(_("%(digit)s: path", digit=joint_name(DIGITS[column])), fontsize=9)
 
 
 def _height(axes: Axes, overlay: Overlay, column: int) -> None:
     """The same fingertip's way out of the palm, against time."""
-    for curves, style, _ in _lines(overlay):
+    for curves, style, _label in _lines(overlay):
         axes.plot(curves.t_s, curves.fingertips_palm_m[:, column, 0] * 1000.0, **style)
-    axes.set_title(f"{DIGITS[column].capitalize()}: out of the palm (mm)", fontsize=9)
-    axes.set_xlabel("time (s)")
+    axes.set_title(_("%(digit)s: out of the palm (mm)", digit=joint_name(DIGITS[column])), fontsize=9)
+    axes.set_xlabel(_("time (s)"))
 
 
 def _lines(overlay: Overlay) -> list[tuple[Curves, dict[str, Any], str]]:
     if overlay.reference is None:
-        return [(overlay.hand, dict(ALONE), "recorded hand")]
-    return [(overlay.hand, dict(PATIENT), "patient"), (overlay.reference, dict(THERAPIST), "therapist")]
+        return [(overlay.hand, dict(ALONE), _("recorded hand"))]
+    return [(overlay.hand, dict(PATIENT), _("patient")), (overlay.reference, dict(THERAPIST), _("therapist"))]
 
 
 def _spans(values: Float64) -> Float64:
@@ -182,7 +206,7 @@ def _travel(shown: Curves, hand: Curves, column: int) -> float:
 
 def _same_scale(axes: Axes, overlay: Overlay, column: int, extent_mm: float) -> None:
     """Centre the panel on its path and give every panel the same number of millimetres."""
-    parts = [curves.fingertips_palm_m[:, column] for curves, _, _ in _lines(overlay)]
+    parts = [curves.fingertips_palm_m[:, column] for curves, _style, _label in _lines(overlay)]
     points = np.concatenate(parts) * 1000.0
     points = points[np.isfinite(points).all(axis=1)]
     centre = (points.max(axis=0) + points.min(axis=0)) / 2
@@ -210,14 +234,29 @@ def _legend(figure: Figure, axes: Axes) -> None:
         figure.legend(handles, labels, loc="outside upper right", ncols=2, fontsize=9, handlelength=3.5)
 
 
+def _settle(figure: Figure) -> None:
+    """Lay the panels out once and for all; saving would draw everything a second time to do it."""
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
+
+
+def _said(what: str, when: str) -> str:
+    """What a picture shows for who cannot see it, and of which part of the file."""
+    return f"{what}, {remark(when)}" if when else what
+
+
 def svg(figure: Figure, key: str, label: str) -> str:
     """The figure as an <svg> element whose ids are its own, with a label for screen readers."""
     buffer = io.StringIO()
+    _settle(figure)
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     text = buffer.getvalue()
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r'\bid="([^"]+)"', rf'id="{key}-\1"', text)
     text = re.sub(r'(href="|url\()#', rf"\1#{key}-", text)
+    text = re.sub(r"(?<=>)[^<>]*\d\.\d[^<>]*(?=</text>)", lambda found: decimal(found[0]), text)
     words = label.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
     return text.replace("<svg ", f'<svg role="img" aria-label="{words}" ', 1)

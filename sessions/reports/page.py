@@ -7,11 +7,16 @@ from importlib import resources
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
+from sessions.reports.language import _, marked, spoken
 from sessions.reports.paper import Block, Paper
 from sessions.reports.report import Report
 from sessions.reports.session_paper import session_paper
 
 TEMPLATES = resources.files("web_assets") / "reports"
+_NOT_CERTIFIED = marked("This software is not a certified medical device.")
+_SUPPORTS = marked(
+    "Its numbers support a clinician's judgement and do not replace it. Measured with rehab-app %(version)s."
+)
 
 
 def render_html(report: Report) -> str:
@@ -32,7 +37,17 @@ def html_of(paper: Paper) -> str:
     environment.filters["drawn"] = (
         Markup  # only pictures, which are drawn here: every word in them is escaped
     )
-    return environment.get_template("paper.html.j2").render(paper=paper) + "\n"
+    return (
+        environment.get_template("paper.html.j2").render(
+            paper=paper, language=spoken(), footer=footer(paper), floor=_("floor")
+        )
+        + "\n"
+    )
+
+
+def footer(paper: Paper) -> tuple[str, str]:
+    """What stands at the end of every page: the part in bold, and the rest."""
+    return _(_NOT_CERTIFIED), _(_SUPPORTS, version=paper.software_version)
 
 
 def kind_of(block: Block) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from sessions.errors import Refused
 from sessions.metrics import Summary, measure_file
 from sessions.metrics.separated import unlike
+from sessions.reports.possible import possible
 from sessions.store import SessionReader
 
 
@@ -22,7 +23,7 @@ def measure_beside(path: Path, candidates: Sequence[Path]) -> Summary:
     Raises:
         Refused: The file cannot be read, or lacks what its kind needs.
     """
-    return measure_file(path, fitting(path, candidates))
+    return possible(measure_file(path, fitting(path, candidates)))
 
 
 def fitting(path: Path, candidates: Sequence[Path]) -> Path | None:

@@ -16,7 +16,7 @@ from sessions.records.topics import EVENTS
 from sessions.reports.passive import measure_beside
 from sessions.store import SessionReader
 
-_SHAPE = "1"
+_SHAPE = "2"
 """Rises when what is kept changes its shape."""
 _AFTER_S = 2.0
 TROUBLES = {

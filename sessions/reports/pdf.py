@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from functools import lru_cache
 from importlib import resources
 from typing import Any
 
-from sessions.reports.page import TEMPLATES, kind_of
+from sessions.reports.language import _, spoken
+from sessions.reports.page import TEMPLATES, footer, kind_of
 from sessions.reports.paper import Block, Paper
 from sessions.reports.report import Report
 from sessions.reports.session_paper import session_paper
@@ -62,6 +64,9 @@ def _content(paper: Paper) -> dict[str, Any]:
     return {
         "title": paper.title,
         "software_version": paper.software_version,
+        "language": spoken(),
+        "footer": footer(paper),
+        "floor": _("floor"),
         "parts": [
             {"title": part.title, "blocks": [_block(block) for block in part.blocks]} for part in paper.parts
         ],
@@ -72,9 +77,16 @@ def _block(block: Block) -> dict[str, Any]:
     content = asdict(block) | {"kind": kind_of(block)}
     if content["kind"] == "numbers":
         content["size"] = getattr(block, "kind", "wide")
+    if content["kind"] == "words":
+        content["weights"] = _weights(content["rows"])
     if content["kind"] == "picture":
         content["svg"] = _with_font(content["svg"])
     return content
+
+
+def _weights(rows: Sequence[Sequence[str]]) -> list[int]:
+    """How wide each column but the first is beside the others: by its longest text, within bounds."""
+    return [min(40, max(8, *(len(text) for text in column))) for column in list(zip(*rows, strict=True))[1:]]
 
 
 def _with_font(svg: str) -> str:

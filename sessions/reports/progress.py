@@ -10,9 +10,12 @@ from typing import TypeAlias
 from sessions.metrics import definition
 from sessions.records import JOINTS
 from sessions.reports.assessed import Tone
+from sessions.reports.language import _, marked
 from sessions.reports.past import Kept, Past
 from sessions.reports.verdict import Bound, Change, change, comparable
 
+PROGRESS = marked("Progress")
+COMPARISON = marked("Comparison of two sessions")
 LEAST_RAD = 0.0873
 """5 degrees: joints that never moved as far stand in no table."""
 Importance: TypeAlias = Callable[[str, str, float], str]
@@ -41,6 +44,33 @@ class LeftOut:
 
 
 @dataclass(frozen=True, slots=True)
+class Beside:
+    """One number of the latest session beside the norm of patients alike; SI units.
+
+    Attributes:
+        name: Metric.
+        subject: Joint, digit or "whole".
+        value: The patient's.
+        low: 5th percentile of the norm.
+        median: Its median.
+        high: Its 95th percentile.
+        cited: How many patients, of which age: "n = 12, this clinic, age 60-69".
+        made_utc_ns: When the norm was made.
+        version: Version of the metric's method.
+    """
+
+    name: str
+    subject: str
+    value: float
+    low: float
+    median: float
+    high: float
+    cited: str
+    made_utc_ns: int
+    version: str
+
+
+@dataclass(frozen=True, slots=True)
 class Progress:
     """What a progress report starts from; it crosses to the process that renders it.
 
@@ -58,6 +88,7 @@ class Progress:
         active: Range assessments, what the patient reached alone, oldest first.
         passive: The same assessments, what the device reached.
         tones: Tone assessments, oldest first.
+        norms: Numbers of the latest session beside the norms of this clinic.
     """
 
     subject_id: str
@@ -69,10 +100,11 @@ class Progress:
     bounds: tuple[tuple[str, str, str, float], ...]
     ordered: int
     software_version: str
-    title: str = "Progress"
+    title: str = PROGRESS
     active: tuple[Past, ...] = ()
     passive: tuple[Past, ...] = ()
     tones: tuple[Tone, ...] = ()
+    norms: tuple[Beside, ...] = ()
 
     def bound(self) -> Bound:
         """The table of bounds as a question."""
@@ -119,13 +151,13 @@ def line(progress: Progress, name: str, subject: str) -> Line | None:
     latest = having[-1]
     reasons = [(past, comparable(past, latest, name, subject)) for past in having[:-1]]
     alike = [past for past, reason in reasons if not reason]
-    refused = [reason for _, reason in reasons if reason]
+    refused = [reason for _past, reason in reasons if reason]
     now = latest.number(name, subject)
     assert now is not None  # it has a value
     if alike:
         judged = change(alike[0], latest, name, subject, progress.bound())
     else:
-        why = refused[-1] if refused else "measured once"
+        why = refused[-1] if refused else _("measured once")
         judged = Change(math.nan, "not measurable", math.nan, why)
     return Line(
         name,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from sessions.reports.figures import PATIENT, THERAPIST, drawing, new_figure, svg
+from sessions.reports.language import _
 from sessions.reports.past import Past
 from sessions.reports.progress import Line, Progress, line, moved_joints
 from sessions.reports.verdict import HELPED, stiffness_of
@@ -28,10 +29,10 @@ def leading_picture(progress: Progress, leading: Line | None, key: str) -> str:
     figure = new_figure(7.4, 3.2)
     axes: Any = figure.subplots()
     _range(axes, progress, leading)
-    axes.set_xlabel("session")
-    axes.set_ylabel("angle from end to end (°)")
+    axes.set_xlabel(_("session"))
+    axes.set_ylabel(_("angle from end to end (°)"))
     _legend(figure, axes)
-    return svg(figure, key, f"Range of the {joint_name(leading.subject)} over the sessions")
+    return svg(figure, key, _("Range of the %(joint)s over the sessions", joint=joint_name(leading.subject)))
 
 
 @drawing()
@@ -53,11 +54,13 @@ def ranges_picture(progress: Progress, key: str) -> str:
         axes.set_title(joint_name(chosen[place].subject), fontsize=9)
         axes.xaxis.set_tick_params(labelbottom=True)
         if place % 3 == 0:
-            axes.set_ylabel("range (°)")
+            axes.set_ylabel(_("range (°)"))
         if place >= len(chosen) - 3:
-            axes.set_xlabel("session")
+            axes.set_xlabel(_("session"))
     _legend(figure, grid.flat[0])
-    return svg(figure, key, "Range of motion over the sessions, with the minimal detectable change as a band")
+    return svg(
+        figure, key, _("Range of motion over the sessions, with the minimal detectable change as a band")
+    )
 
 
 @drawing()
@@ -72,14 +75,14 @@ def support_picture(progress: Progress, key: str) -> str:
     number = np.arange(1, len(error) + 1)
     shown = np.where(np.isfinite(stiffness), error, np.nan)
     above.plot(number, shown, color=_BLUE, marker="o", markersize=4, linewidth=1.3)
-    above.set_ylabel("joint error\n(° RMS)")
+    above.set_ylabel(_("joint error\n(° RMS)"))
     below.plot(number, stiffness, color=_ORANGE, marker="s", markersize=4, linewidth=1.3, linestyle="--")
-    below.set_ylabel("stiffness\n(Nm/rad)")
-    below.set_xlabel("session")
+    below.set_ylabel(_("stiffness\n(Nm/rad)"))
+    below.set_xlabel(_("session"))
     for axes in (above, below):
         axes.set_ylim(bottom=0.0)
     _whole_numbers(below, len(error))
-    return svg(figure, key, "Joint error over the sessions, and below it the stiffness it was obtained at")
+    return svg(figure, key, _("Joint error over the sessions, and below it the stiffness it was obtained at"))
 
 
 @drawing()
@@ -92,7 +95,7 @@ def dose_picture(progress: Progress, key: str) -> str:
     figure = new_figure(7.4, 2.2)
     axes: Any = figure.subplots()
     number = np.arange(1, len(made) + 1)
-    axes.bar(number, np.nan_to_num(made), 0.7, color=_BAND, edgecolor=_BLUE, label="repetitions")
+    axes.bar(number, np.nan_to_num(made), 0.7, color=_BAND, edgecolor=_BLUE, label=_("repetitions"))
     axes.bar(
         number,
         np.nan_to_num(own),
@@ -100,18 +103,18 @@ def dose_picture(progress: Progress, key: str) -> str:
         color="none",
         edgecolor=_BLUE,
         hatch="////",
-        label="started by the patient",
+        label=_("started by the patient"),
     )
     for place, value in zip(number, made, strict=True):
         if math.isnan(value):
-            axes.text(place, 0.0, "not\nmeasured", ha="center", va="bottom", fontsize=7)
+            axes.text(place, 0.0, _("not\nmeasured"), ha="center", va="bottom", fontsize=7)
     if progress.ordered:
-        axes.axhline(progress.ordered, color=_ORANGE, linestyle=(0, (4, 2)), label="plan")
-    axes.set_ylabel("repetitions")
-    axes.set_xlabel("session")
+        axes.axhline(progress.ordered, color=_ORANGE, linestyle=(0, (4, 2)), label=_("plan"))
+    axes.set_ylabel(_("repetitions"))
+    axes.set_xlabel(_("session"))
     _whole_numbers(axes, len(made))
     _legend(figure, axes)
-    return svg(figure, key, "Repetitions by session")
+    return svg(figure, key, _("Repetitions by session"))
 
 
 @drawing()
@@ -122,14 +125,19 @@ def pain_picture(progress: Progress, key: str) -> str:
     figure = new_figure(7.4, 1.8)
     axes: Any = figure.subplots()
     start_ns = progress.pains[0][0]
-    days = [(utc_ns - start_ns) / 86_400e9 for utc_ns, _ in progress.pains]
+    days = [(utc_ns - start_ns) / 86_400e9 for utc_ns, _score in progress.pains]
     axes.plot(
-        days, [score for _, score in progress.pains], color=_ORANGE, marker="D", markersize=4, linewidth=1
+        days,
+        [score for _utc_ns, score in progress.pains],
+        color=_ORANGE,
+        marker="D",
+        markersize=4,
+        linewidth=1,
     )
     axes.set_ylim(-0.4, 10.4)
-    axes.set_ylabel("pain, 0 to 10")
-    axes.set_xlabel("days since the first entry")
-    return svg(figure, key, "Pain over time")
+    axes.set_ylabel(_("pain, 0 to 10"))
+    axes.set_xlabel(_("days since the first entry"))
+    return svg(figure, key, _("Pain over time"))
 
 
 def _range(axes: Any, progress: Progress, shown: Line) -> None:
@@ -138,14 +146,14 @@ def _range(axes: Any, progress: Progress, shown: Line) -> None:
     number = np.arange(1, len(values) + 1)
     if shown.baseline is not None and shown.baseline.value is not None and math.isfinite(shown.change.bound):
         middle, bound = math.degrees(shown.baseline.value), math.degrees(shown.change.bound)
-        axes.axhspan(middle - bound, middle + bound, color=_BAND, alpha=0.7, label="no change can be told")
+        axes.axhspan(middle - bound, middle + bound, color=_BAND, alpha=0.7, label=_("no change can be told"))
     told: set[str] = set()
     for modes in dict.fromkeys(past.modes for past in progress.pasts):
         chosen = np.array([past.modes == modes for past in progress.pasts])
         if not np.isfinite(values[chosen]).any():
             continue
         by_robot = bool(HELPED & set(modes))
-        words = "robot moved" if by_robot else "patient moved"
+        words = _("robot moved") if by_robot else _("patient moved")
         style = {"marker": "s", "markerfacecolor": "white"} if by_robot else {"marker": "o"}
         bars = np.nan_to_num(halves[chosen])
         label = "_" if words in told else words  # matplotlib leaves out what begins with a dash

@@ -7,9 +7,11 @@ import io
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 from sessions.errors import Refused
+from sessions.reports.language import SOURCE, _, speaking
 from sessions.reports.page import html_of
 from sessions.reports.past import Past
 from sessions.reports.pdf import pdf_of
@@ -17,6 +19,7 @@ from sessions.reports.progress import Line, Progress, leading_line, line
 from sessions.reports.progress_paper import progress_paper
 from sessions.reports.progress_sentences import progress_sentences
 from sessions.reports.progress_tables import ALL_NAMES
+from sessions.reports.wording import hand, joint_name
 
 PROGRESS_FORMATS: Mapping[str, tuple[str, str]] = {
     "html": (".html", "text/html"),
@@ -26,17 +29,23 @@ PROGRESS_FORMATS: Mapping[str, tuple[str, str]] = {
     "note": (".txt", "text/plain; charset=utf-8"),
 }
 """Suffix and media type by name."""
+_WORDED = frozenset(("html", "pdf", "note"))
 _COLUMNS = (
     "session_id file_sha256 utc_start_ns side mode name subject value low high status version source"
 ).split()
 
 
-def render_progress(progress: Progress, format_name: str) -> bytes:
-    """Progress in one format.
+def render_progress(progress: Progress, format_name: str, language: str = SOURCE) -> bytes:
+    """Progress in one format; a format for programs is always in English.
 
     Raises:
-        Refused: There is no such format.
+        Refused: There is no such format or language.
     """
+    with speaking(language if format_name in _WORDED else SOURCE):
+        return _rendered(progress, format_name)
+
+
+def _rendered(progress: Progress, format_name: str) -> bytes:
     if format_name == "html":
         return html_of(progress_paper(progress)).encode()
     if format_name == "pdf":
@@ -63,6 +72,7 @@ def progress_object(progress: Progress) -> dict[str, Any]:
             for item in progress.left_out
         ],
         "changes": [_change(item) for item in lines_of(progress)],
+        "norms": [asdict(one) for one in progress.norms],
         "software_version": progress.software_version,
     }
 
@@ -135,12 +145,14 @@ def _note(progress: Progress) -> str:
         for item in lines_of(progress)
         if item.change.verdict == "real" and item.name == "range_of_motion"
     ]
-    changed = ", ".join(f"{item.subject} {math.degrees(item.change.difference):+.0f}°" for item in real)
+    changed = ", ".join(
+        f"{joint_name(item.subject)} {math.degrees(item.change.difference):+.0f}°" for item in real
+    )
     lines = [
-        f"{progress.title} of {progress.subject_id}, {progress.side} hand.",
+        f"{_(progress.title)}: {progress.subject_id}, {hand(progress.side)}.",
         *told,
-        f"Real changes of range: {changed or 'none'}.",
-        "Not a certified medical device.",
+        _("Real changes of range: %(changes)s.", changes=changed or _("none")),
+        _("Not a certified medical device."),
     ]
     return "\n".join(lines) + "\n"
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
-
 from sessions.reports.assessed import NO_GRADE, tone_words
+from sessions.reports.beside import norm_blocks
+from sessions.reports.language import _, counted, decimal, marked, short_day
+from sessions.reports.letterhead import letterhead
 from sessions.reports.method import definitions
 from sessions.reports.paper import (
     Block,
@@ -38,62 +39,89 @@ from sessions.reports.progress_tables import (
     judged_tables,
     overall_words,
 )
-from sessions.reports.wording import joint_name, plural
+from sessions.reports.remarks import remark
+from sessions.reports.wording import exercise_words, hand, joint_name, mode_words
 
 _LIMITS = (
-    "Real: the change is larger than the minimal detectable change (MDC) of this set-up or, where that was "
-    "not measured, than the one published for this kind of measurement, and than both intervals together. "
-    "Below MDC: nothing can be said. Not measurable: the sessions may not be compared, for the reason in "
-    "the note.",
-    "A detectable change is not yet an important one: published minimal important differences stand beside "
-    "the scores that the clinic takes. For numbers measured by a robot or a camera none is published, so no "
-    "change of these is called important.",
-    "Stretching alone gains about 2 degrees: a gain of that size is credited to nothing and nobody.",
-    "A range that the robot moved the hand through is the robot's, not the patient's; the two are never "
-    "compared.",
-    "Errors against the therapist are compared only at stiffness within 10 % of each other: a stiff robot "
-    "makes anyone look good.",
-    "Angles are compared only where the same kind of sensor measured them by the same method.",
+    marked(
+        "Real: the change is larger than the minimal detectable change (MDC) of this set-up or, where that"
+        " was not measured, than the one published for this kind of measurement, and than both intervals "
+        "together. Below MDC: nothing can be said. Not measurable: the sessions may not be compared, for "
+        "the reason in the note."
+    ),
+    marked(
+        "A detectable change is not yet an important one: published minimal important differences stand "
+        "beside the scores that the clinic takes. For numbers measured by a robot or a camera none is "
+        "published, so no change of these is called important."
+    ),
+    marked("Stretching alone gains about 2 degrees: a gain of that size is credited to nothing and nobody."),
+    marked(
+        "A range that the robot moved the hand through is the robot's, not the patient's; the two are never "
+        "compared."
+    ),
+    marked(
+        "Errors against the therapist are compared only at stiffness within 10 % of each other: a stiff "
+        "robot makes anyone look good."
+    ),
+    marked("Angles are compared only where the same kind of sensor measured them by the same method."),
 )
 
 
 def progress_paper(progress: Progress) -> Paper:
     """Progress, or the comparison of two sessions where the progress holds just those."""
-    title = f"{progress.title} {progress.subject_id}"
+    title = f"{_(progress.title)} {progress.subject_id}"
     leading = leading_line(progress)
     first: list[Block] = [Facts(_facts(progress)), Plain(progress_sentences(progress, leading))]
     drawn = leading_picture(progress, leading, "lead")
     if leading is not None and drawn:
-        caption = (
-            f"{joint_name(leading.subject)}: range by {leading.now.source}, session by session, with 95 % "
-            "intervals. Inside the band no change from the first comparable session can be told."
+        caption = _(
+            "%(joint)s: range by %(source)s, session by session, with 95 %% intervals. Inside the band no "
+            "change from the first comparable session can be told.",
+            joint=joint_name(leading.subject),
+            source=remark(leading.now.source),
         )
         first.append(Picture(drawn, caption, caption))
     else:
-        first.append(Picture("", "No range of motion was measured, so there is no picture."))
+        first.append(Picture("", _("No range of motion was measured, so there is no picture.")))
     blocks = (*first, Break(), *_clinician(progress), *_charts(progress), Break(), *_method(progress))
-    return Paper(title, (Part(progress.title, blocks),), progress.software_version)
+    return Paper(title, (Part(_(progress.title), blocks),), progress.software_version)
 
 
 def _clinician(progress: Progress) -> list[Block]:
     judgements = Judgements()
     tables = judged_tables(progress, judgements)
-    blocks: list[Block] = [Heading("For the clinician"), *(Numbers(table) for table in tables)]
+    blocks: list[Block] = [Heading(_("For the clinician")), *(Numbers(table) for table in tables)]
     if not tables:
-        blocks.append(Hint("No number was measured in any session.", missing=True))
+        blocks.append(Hint(_("No number was measured in any session."), missing=True))
     blocks += [Notes(tuple(judgements.texts)), overall_words(progress)]
-    blocks += _assessed(progress)
-    if progress.scores:
-        rows = tuple(
-            (item.name, item.baseline, item.last, item.now, item.change, item.meaning)
-            for item in progress.scores
-        )
-        columns = ("Score taken by the clinic", "Baseline", "Last", "Now", "Change", "What it means")
-        blocks += [Heading("Scores", 3), Words(columns, rows)]
+    blocks += [*_assessed(progress), *norm_blocks(progress), *_scores(progress)]
     if progress.left_out:
-        texts = tuple(f"{day(item.utc_start_ns)}: {item.reason}" for item in progress.left_out)
-        blocks += [Heading("Sessions that take no part", 3), Bullets(texts)]
+        texts = tuple(f"{short_day(item.utc_start_ns)}: {remark(item.reason)}" for item in progress.left_out)
+        blocks += [Heading(_("Sessions that take no part"), 3), Bullets(texts)]
     return blocks
+
+
+def _scores(progress: Progress) -> list[Block]:
+    """The clinic's own scores, as the clinic entered them."""
+    if not progress.scores:
+        return []
+    rows = tuple(
+        (
+            remark(item.name),
+            *(decimal(_(text)) for text in (item.baseline, item.last, item.now, item.change)),
+            remark(item.meaning),
+        )
+        for item in progress.scores
+    )
+    columns = (
+        _("Score taken by the clinic"),
+        _("Baseline"),
+        _("Last"),
+        _("Now"),
+        _("Change"),
+        _("What it means"),
+    )
+    return [Heading(_("Scores"), 3), Words(columns, rows)]
 
 
 def _assessed(progress: Progress) -> list[Block]:
@@ -102,10 +130,10 @@ def _assessed(progress: Progress) -> list[Block]:
     tables, tone = assessed_tables(progress, judgements), tone_words(progress.tones)
     blocks: list[Block] = []
     if tables:
-        blocks += [Heading("Range assessments", 3), *(Numbers(table) for table in tables)]
+        blocks += [Heading(_("Range assessments"), 3), *(Numbers(table) for table in tables)]
         blocks += [Notes(tuple(judgements.texts))] if judgements.texts else []
     if tone is not None:
-        blocks += [Heading("Tone, stretched at several speeds", 3), tone, Hint(NO_GRADE)]
+        blocks += [Heading(_("Tone, stretched at several speeds"), 3), tone, Hint(_(NO_GRADE))]
     return blocks
 
 
@@ -113,19 +141,26 @@ def _charts(progress: Progress) -> list[Block]:
     drawn = (
         (
             ranges_picture(progress, "range"),
-            "Range of motion. Filled circles: the patient moved; open squares: the robot moved. Bars: 95 % "
-            "interval. Band: within it no change can be told.",
+            _(
+                "Range of motion. Filled circles: the patient moved; open squares: the robot moved. Bars: "
+                "95 % interval. Band: within it no change can be told."
+            ),
         ),
         (
             support_picture(progress, "support"),
-            "Joint error against the therapist, and the stiffness it was obtained at. A fall of the error "
-            "together with a rise of the stiffness says nothing of the patient.",
+            _(
+                "Joint error against the therapist, and the stiffness it was obtained at. A fall of the "
+                "error together with a rise of the stiffness says nothing of the patient."
+            ),
         ),
-        (dose_picture(progress, "dose"), "Repetitions; hatched: started by the patient. Dashed: the plan."),
-        (pain_picture(progress, "pain"), "Pain as it was told."),
+        (
+            dose_picture(progress, "dose"),
+            _("Repetitions; hatched: started by the patient. Dashed: the plan."),
+        ),
+        (pain_picture(progress, "pain"), _("Pain as it was told.")),
     )
     blocks: list[Block] = [Picture(svg, caption, caption) for svg, caption in drawn if svg]
-    return [Heading("Charts"), *blocks] if blocks else []
+    return [Heading(_("Charts")), *blocks] if blocks else []
 
 
 def _method(progress: Progress) -> list[Block]:
@@ -134,46 +169,42 @@ def _method(progress: Progress) -> list[Block]:
         for name in ALL_NAMES
         if any(item.name == name for past in progress.pasts for item in past.numbers)
     ]
-    columns = ("Session", "File SHA-256", "Exercise", "Mode", "Stiffness")
+    columns = (_("Session"), _("File SHA-256"), _("Exercise"), _("Mode"), _("Stiffness"))
     return [
-        Heading("How it was measured"),
+        Heading(_("How it was measured")),
         definitions(names),
-        Heading("Limits of these numbers", 3),
-        Bullets(_LIMITS),
-        Heading("Where the numbers come from", 3),
+        Heading(_("Limits of these numbers"), 3),
+        Bullets(tuple(_(text) for text in _LIMITS)),
+        Heading(_("Where the numbers come from"), 3),
         Words(columns, tuple(_source(number, past) for number, past in enumerate(progress.pasts, 1))),
     ]
 
 
 def _source(number: int, past: Past) -> tuple[str, ...]:
     return (
-        f"{number}: {day(past.utc_start_ns)}",
+        f"{number}: {short_day(past.utc_start_ns)}",
         past.sha256,
-        past.exercise or "not named",
-        ", ".join(past.modes) or "not recorded",
-        past.conditions or "not recorded",
+        exercise_words(past.exercise),
+        ", ".join(_(mode) for mode in past.modes) or _("not recorded"),
+        remark(past.conditions.rpartition(", ")[0] or past.conditions) or _("not recorded"),
     )
 
 
 def _facts(progress: Progress) -> tuple[tuple[str, str], ...]:
     pasts = progress.pasts
     sources = dict.fromkeys(item.source for past in pasts for item in past.numbers if item.source)
-    span = f"{day(pasts[0].utc_start_ns)} to {day(pasts[-1].utc_start_ns)}" if pasts else "none"
+    ends = [short_day(past.utc_start_ns) for past in (pasts[:1] + pasts[-1:])]
     modes = dict.fromkeys(mode for past in pasts for mode in past.modes)
-    left = f", {len(progress.left_out)} left out" if progress.left_out else ""
+    left = _(", %(n)s left out", n=len(progress.left_out)) if progress.left_out else ""
     return (
-        ("Patient", f"{progress.subject_id}, {progress.side} hand"),
-        ("Sessions", f"{plural(len(pasts), 'session')}{left}"),
-        ("From, to", span),
-        ("Angles measured by", ", ".join(sources) or "nothing"),
-        ("Modes", ", ".join(modes) or "none"),
+        *letterhead(),
+        (_("Patient"), f"{progress.subject_id}, {hand(progress.side)}"),
+        (_("Sessions"), f"{counted('%(n)s session', '%(n)s sessions', len(pasts))}{left}"),
+        (_("From, to"), " – ".join(dict.fromkeys(ends)) or _("none")),
+        (_("Angles measured by"), ", ".join(remark(source) for source in sources) or _("nothing")),
+        (_("Modes"), mode_words(modes) if modes else _("none")),
         (
-            "Detectable change",
-            "measured with this set-up" if progress.bounds else "as published",
+            _("Detectable change"),
+            _("measured with this set-up") if progress.bounds else _("as published"),
         ),
     )
-
-
-def day(utc_ns: int) -> str:
-    """A day in UTC, as people write it."""
-    return f"{datetime.fromtimestamp(utc_ns // 1_000_000_000, tz=UTC):%d %b %Y}"

@@ -9,12 +9,23 @@ from dataclasses import dataclass, field, replace
 from sessions.metrics import definition
 from sessions.records import DIGITS, JOINTS
 from sessions.reports.assessed import BY_JOINT as ASSESSED
+from sessions.reports.language import _, counted, decimal
 from sessions.reports.paper import Words
 from sessions.reports.past import Kept, Past
 from sessions.reports.progress import Line, Progress, line, moved_joints
+from sessions.reports.remarks import remark
 from sessions.reports.tables import Cell, Row, Table, heading
 from sessions.reports.verdict import ERRORS, STRETCH_RAD, helped, stiffness_of
-from sessions.reports.wording import MISSING, number, subject_name, unit_shown
+from sessions.reports.wording import (
+    MISSING,
+    capital,
+    hand,
+    mode_words,
+    number,
+    span,
+    subject_name,
+    unit_shown,
+)
 
 BY_JOINT = ("range_of_motion", "angle_max", "angle_min")
 BY_DIGIT = ("fingertip_rmse", "total_active_motion", "sparc", "movement_time")
@@ -32,7 +43,7 @@ class Judgements:
         """Number of a text, 0 for an empty one."""
         if not text:
             return 0
-        sentence = f"{text[:1].upper()}{text[1:]}."
+        sentence = f"{capital(text)}."
         if sentence not in self.texts:
             self.texts.append(sentence)
         return self.texts.index(sentence) + 1
@@ -57,7 +68,7 @@ def _by_mode(progress: Progress) -> list[tuple[Progress, str]]:
     return [
         (
             replace(progress, pasts=tuple(one for one in progress.pasts if frozenset(one.modes) == of_mode)),
-            f"{' and '.join(sorted(of_mode)) or 'unknown'} mode",
+            _("%(modes)s mode", modes=mode_words(sorted(of_mode))),
         )
         for of_mode in dict.fromkeys(frozenset(one) for one in modes)
     ]
@@ -81,18 +92,18 @@ def overall_words(progress: Progress) -> Words:
         past for past in (pasts[:1], pasts[-2:-1] if len(pasts) > 2 else (), pasts[1:][-1:]) for past in past
     ]
     names = (
-        ("First", "Second")
+        (_("First"), _("Second"))
         if two
-        else ("First", "Last", "Now")[: len(shown)]
+        else (_("First"), _("Last"), _("Now"))
         if len(shown) == 3
-        else ("Now",)
+        else (_("Now"),)
     )
     rows = [(heading(name), *(_plain(name, past) for past in shown)) for name in OVERALL if _any(pasts, name)]
     stiffness = tuple(
-        MISSING if math.isnan(value := stiffness_of(past)) else f"{value:.2f}" for past in shown
+        MISSING if math.isnan(value := stiffness_of(past)) else decimal(f"{value:.2f}") for past in shown
     )
     rows.append((heading("stiffness"), *stiffness))
-    return Words(("Dose and support", *names), tuple(rows))
+    return Words((_("Dose and support"), *names), tuple(rows))
 
 
 def _table(
@@ -100,31 +111,35 @@ def _table(
 ) -> Table:
     lines = [found for subject in subjects if (found := line(progress, name, subject)) is not None]
     two = not mode and len(progress.pasts) <= 2
-    columns = ("", *(("First", "Second") if two else ("Baseline", "Last", "Now")), "Change", "MDC", "Verdict")
+    shown = (_("First"), _("Second")) if two else (_("Baseline"), _("Last"), _("Now"))
+    columns = ("", *shown, _("Change"), _("MDC"), _("Verdict"))
     rows = tuple(_row(item, two, judgements) for item in lines)
-    title = _title(progress, name, lines)
+    title = _title(progress, name, lines, bool(mode))
     return Table(f"{title}, {mode}" if mode else title, columns, rows)
 
 
-def _title(progress: Progress, name: str, lines: list[Line]) -> str:
+def _title(progress: Progress, name: str, lines: list[Line], moded: bool) -> str:
     """Metric, unit and side; of an angle also what measured it and who moved, of an error the stiffness."""
-    parts = [heading(name), f"{progress.side} hand"]
+    parts = [heading(name), hand(progress.side)]
     if lines and name in (*BY_JOINT, *ASSESSED, "total_active_motion"):
-        parts += ["by " + " and ".join(dict.fromkeys(item.now.source for item in lines))]
-        parts.append("the robot moved the hand" if helped(lines[0].session) else "the patient moved")
+        sources = _(" and ").join(dict.fromkeys(remark(item.now.source) for item in lines))
+        parts += [_("by %(sources)s", sources=sources)]
+        parts.append(_("the robot moved the hand") if helped(lines[0].session) else _("the patient moved"))
     if lines and name in (*ERRORS, "sparc", "movement_time"):
-        parts.append(f"now at {lines[0].session.conditions or 'unknown stiffness'}")
+        held = lines[0].session.conditions
+        at = remark(held.rpartition(", ")[0] if moded else held) or _("unknown stiffness")
+        parts.append(_("now at %(stiffness)s", stiffness=at))
     return ", ".join(parts)
 
 
 def _row(item: Line, two: bool, judgements: Judgements) -> Row:
     shown = [_cell(item, item.baseline), *([] if two else [_cell(item, item.last)]), _cell(item, item.now)]
-    flag = judgements.of(item.now.status.partition(": ")[2])
+    flag = judgements.of(remark(item.now.status.partition(": ")[2]))
     shown[-1] = Cell(shown[-1].text, shown[-1].interval, flag)
     change = item.change
     difference = MISSING if math.isnan(change.difference) else signed(item, change.difference)
     bound = MISSING if math.isnan(change.bound) else number(item.name, item.unit, change.bound)
-    verdict = Cell(change.verdict, "", judgements.of(_why(item)))
+    verdict = Cell(_(change.verdict), "", judgements.of(_why(item)))
     return Row(subject_name(item.subject), (*shown, Cell(difference), Cell(bound), verdict))
 
 
@@ -132,10 +147,17 @@ def _why(item: Line) -> str:
     count, reason = item.others
     texts = [item.change.why] if item.change.why and item.change.why != reason else []
     if count:
-        texts.append(f"{count} earlier not compared ({reason})")
+        texts.append(
+            counted(
+                "%(n)s earlier session not compared (%(why)s)",
+                "%(n)s earlier sessions not compared (%(why)s)",
+                count,
+                why=reason,
+            )
+        )
     gain = item.unit == "rad" and item.name not in ERRORS and item.change.verdict == "real"
     if gain and abs(item.change.difference) <= STRETCH_RAD:
-        texts.append("no more than stretching alone gains")
+        texts.append(_("no more than stretching alone gains"))
     return "; ".join(texts)
 
 
@@ -150,7 +172,8 @@ def _cell(item: Line, found: Kept | None) -> Cell:
         return Cell(MISSING)
     ends = ""
     if found.low is not None and found.high is not None:
-        ends = " to ".join(number(item.name, item.unit, end) for end in (found.low, found.high))
+        low, high = (number(item.name, item.unit, end) for end in (found.low, found.high))
+        ends = "" if low == high == number(item.name, item.unit, found.value) else span(low, high)
     return Cell(number(item.name, item.unit, found.value), ends)
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
-
 from sessions.metrics import Summary
+from sessions.reports.dated import recorded
 from sessions.reports.figures import joints_picture, paths_picture, repetitions_picture
+from sessions.reports.language import _, decimal, marked
+from sessions.reports.letterhead import letterhead
 from sessions.reports.method import method_blocks, sources
 from sessions.reports.paper import (
     Block,
@@ -21,6 +22,7 @@ from sessions.reports.paper import (
     Picture,
     Plain,
 )
+from sessions.reports.remarks import remark
 from sessions.reports.report import Report
 from sessions.reports.sentences import sentences
 from sessions.reports.tables import (
@@ -32,25 +34,28 @@ from sessions.reports.tables import (
     overall_table,
     repetition_table,
 )
+from sessions.reports.wording import exercise_words, hand
 
-_READING = (
-    "Small figures: 95 % interval; floor: what a perfectly smooth movement would score with this noise and "
-    "frame rate. A difference smaller than that is not a change. A dash: not measured or not measurable, for "
-    "the reason in the note. Flexion is positive."
+_READING = marked(
+    "Small figures: 95 % interval, left out where it is narrower than the last digit; floor: what a "
+    "perfectly smooth movement would score with this noise and frame rate. A difference smaller than the "
+    "interval is not a change. A dash: not measured or not measurable, for the reason in the note. Flexion "
+    "is positive."
 )
-_NO_PATH = "No fingertip path of 5 mm or more was measured, so there is no picture."
+_NO_PATH = marked("No fingertip path of 5 mm or more was measured, so there is no picture.")
 
 
 def session_paper(report: Report) -> Paper:
     """A part per file, in the order of the report."""
     parts = tuple(_part(summary, f"s{number}") for number, summary in enumerate(report.summaries))
     header = report.summaries[0].header
-    title = f"{parts[0].title} {header.subject_id}: {header.exercise}"
+    named = " ".join(part for part in (parts[0].title, header.subject_id) if part)
+    title = f"{named}: {exercise_words(header.exercise)}"
     return Paper(title, parts, report.software_version)
 
 
 def _part(summary: Summary, key: str) -> Part:
-    title = "Recorded movement" if summary.header.kind == "take" else "Therapy session"
+    title = _("Recorded movement") if summary.header.kind == "take" else _("Therapy session")
     first: tuple[Block, ...] = (Facts(_facts(summary)), Plain(sentences(summary)), _paths(summary, key))
     return Part(title, (*first, Break(), *_clinician(summary, key)))
 
@@ -61,26 +66,31 @@ def _clinician(summary: Summary, key: str) -> tuple[Block, ...]:
     joints, others = joint_tables(summary, remarks)
     digits, errors = digit_table(summary, remarks), error_table(summary, remarks)
     markers, repetitions = marker_table(summary, remarks), repetition_table(summary)
-    blocks: list[Block] = [Heading("For the clinician"), Cards(overall.rows), Numbers(joints)]
+    blocks: list[Block] = [Heading(_("For the clinician")), Cards(overall.rows), Numbers(joints)]
     if not joints.rows:
-        blocks.append(Hint("No joint moved by 5 degrees or more.", missing=True))
+        blocks.append(Hint(_("No joint moved by 5 degrees or more."), missing=True))
     blocks += [Numbers(digits), Numbers(errors, "narrow"), Numbers(repetitions)]
     blocks += [Notes(tuple(remarks.texts)), Hint(_reading(summary)), *_charts(summary, key), Break()]
     if markers.rows:
         blocks.append(Numbers(markers, "narrow"))
     elif summary.header.marker_names:
-        blocks.append(Hint("Every marker was measured in every frame."))
+        blocks.append(Hint(_("Every marker was measured in every frame.")))
     return (*blocks, Numbers(others, "small"), *method_blocks(summary))
 
 
 def _paths(summary: Summary, key: str) -> Picture:
     drawn = paths_picture(summary.overlay, f"{key}p")
     if not drawn:
-        return Picture("", _NO_PATH)
-    caption = f"Fingertip paths seen from the thumb's side, {summary.overlay.shown}; digits that moved."
+        return Picture("", _(_NO_PATH))
+    caption = _(
+        "Fingertip paths seen from the thumb's side, %(shown)s; digits that moved.",
+        shown=remark(summary.overlay.shown),
+    )
     if summary.overlay.reference is not None:
-        at = f"Obtained at {summary.conditions}." if summary.conditions else "The stiffness is not recorded."
-        caption += f" Patient: blue, solid. Therapist: orange, dashed. {at}"
+        at = remark(summary.conditions)
+        told = _("Obtained at %(conditions)s.", conditions=at) if at else _("The stiffness is not recorded.")
+        lines = _("Patient: blue, solid. Therapist: orange, dashed.")
+        caption = f"{caption} {lines} {told}"
     return Picture(drawn, caption, caption)
 
 
@@ -89,38 +99,57 @@ def _charts(summary: Summary, key: str) -> list[Block]:
     repetitions = repetitions_picture(summary, f"{key}r")
     blocks: list[Block] = []
     if joints or repetitions:
-        blocks.append(Heading("Charts"))
+        blocks.append(Heading(_("Charts")))
     if joints:
-        caption = f"Angles of the joints that moved most, by {sources(summary)}, {summary.overlay.shown}."
+        caption = _(
+            "Angles of the joints that moved most, by %(source)s, %(shown)s.",
+            source=sources(summary),
+            shown=remark(summary.overlay.shown),
+        )
         blocks.append(Picture(joints, caption, caption))
     if repetitions:
-        caption = f"By repetition, obtained at {summary.conditions}."
+        caption = _("By repetition, obtained at %(conditions)s.", conditions=remark(summary.conditions))
         blocks.append(Picture(repetitions, caption, caption))
     return blocks
 
 
 def _reading(summary: Summary) -> str:
     if summary.header.kind != "therapy":
-        return _READING
-    return (
-        f"{_READING} An error against the therapist says something of the patient only together with the "
-        f"stiffness it was obtained at: {summary.conditions or 'not recorded, so no error is shown'}."
+        return _(_READING)
+    told = _(
+        "An error against the therapist says something of the patient only together with the stiffness it "
+        "was obtained at: %(conditions)s.",
+        conditions=remark(summary.conditions) or _("not recorded, so no error is shown"),
     )
+    return f"{_(_READING)} {told}"
 
 
 def _facts(summary: Summary) -> tuple[tuple[str, str], ...]:
     header = summary.header
-    started = datetime.fromtimestamp(header.utc_start_ns // 1_000_000_000, tz=UTC)
-    whose = "Recorded hand" if header.kind == "take" else "Patient"
+    whose = _("Recorded hand") if header.kind == "take" else _("Patient")
+    lasted = decimal(f"{summary.duration_s:.1f} s")
     facts = [
-        (whose, f"{header.subject_id or 'not named'}, {header.side} hand"),
-        ("Exercise", header.exercise or "not named"),
-        ("Recorded", f"{started:%d %B %Y, %H:%M} UTC, {summary.duration_s:.1f} s"),
-        ("Measured by", sources(summary)),
+        *letterhead(),
+        (whose, ", ".join((header.subject_id or _("not named"), hand(header.side)))),
+        (_("Exercise"), exercise_words(header.exercise)),
+        (_("Recorded"), f"{recorded(header)}, {lasted}"),
+        (_("Measured by"), sources(summary)),
     ]
-    if header.kind == "therapy":
-        facts.append(("Mode", ", ".join(summary.modes) or "not recorded"))
-        facts.append(("Stiffness used", summary.conditions or "not recorded"))
-        stops = "; ".join(f"{stop.text or stop.cause} ({stop.t_s:.1f} s)" for stop in summary.stops)
-        facts.append(("Stops", stops or "none"))
-    return tuple(facts)
+    return tuple(facts if header.kind == "take" else [*facts, *_of_therapy(summary)])
+
+
+def _of_therapy(summary: Summary) -> list[tuple[str, str]]:
+    nothing = _("not recorded")
+    stops = "; ".join(f"{stop.text or stop.cause} ({decimal(f'{stop.t_s:.1f}')} s)" for stop in summary.stops)
+    return [
+        (_("Mode"), ", ".join(_(mode) for mode in summary.modes) or nothing),
+        (_("Stiffness"), _stiffness(summary) or nothing),
+        (_("Stops"), stops or _("none")),
+    ]
+
+
+def _stiffness(summary: Summary) -> str:
+    """What held, without the word that stands before it and the mode that stands above it."""
+    held = remark(summary.conditions.rpartition(", ")[0] or summary.conditions)
+    name = _("stiffness")
+    return held.removeprefix(f"{name} ")

@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 
 from sessions.metrics import Metric, Summary, definition
 from sessions.records import DIGITS, JOINTS
-from sessions.reports.wording import MISSING, interval, number, subject_name, unit_shown
+from sessions.reports.language import _, counted, marked
+from sessions.reports.remarks import remark
+from sessions.reports.wording import MISSING, capital, interval, number, span, subject_name, unit_shown
 
 MOVED_RAD = 0.0873
 """5 degrees: joints that moved less stand in the appendix."""
@@ -39,6 +41,7 @@ OVERALL = (
     "fit_residual",
 )
 BY_MARKER = ("valid_share", "longest_gap")
+_STARTED = {"robot": marked("robot"), "patient": marked("patient")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,9 +94,12 @@ class Remarks:
         """Number of a metric's remark, 0 where its status is "ok"."""
         if item.status == "ok":
             return 0
-        kind, _, remark = item.status.partition(": ")
+        kind, _colon, said = item.status.partition(": ")
+        words = remark(said)
         text = (
-            f"Not measurable: {remark}." if kind == "not measurable" else f"{remark[:1].upper()}{remark[1:]}."
+            _("Not measurable: %(reason)s.", reason=words)
+            if kind == "not measurable"
+            else f"{capital(words)}."
         )
         if text not in self.texts:
             self.texts.append(text)
@@ -111,27 +117,31 @@ def joint_tables(summary: Summary, notes: Remarks) -> tuple[Table, Table]:
     ]
     others = [joint for joint in JOINTS if joint not in first]
     return (
-        _by_subject("Joints", summary, BY_JOINT, first, notes),
-        _by_subject("Other joints", summary, BY_JOINT, others, notes),
+        _by_subject(_("Joints"), summary, BY_JOINT, first, notes),
+        _by_subject(_("Other joints"), summary, BY_JOINT, others, notes),
     )
 
 
 def digit_table(summary: Summary, notes: Remarks) -> Table:
     """Digits as columns would not fit a page: one row per digit."""
-    return _by_subject("Fingertips", summary, BY_DIGIT, DIGITS, notes)
+    return _by_subject(_("Fingertips"), summary, BY_DIGIT, DIGITS, notes)
 
 
 def error_table(summary: Summary, notes: Remarks) -> Table:
     """What the fingertips' error against the therapist is made of; without rows for a take."""
     there = any(summary.named(name) for name in OF_THE_ERROR)
-    return _by_subject("Error taken apart", summary, OF_THE_ERROR, DIGITS if there else (), notes)
+    return _by_subject(_("Error taken apart"), summary, OF_THE_ERROR, DIGITS if there else (), notes)
 
 
 def marker_table(summary: Summary, notes: Remarks) -> Table:
     """Markers that were not seen all the time; without rows where all were, or the file has none."""
     gaps = [item.subject for item in summary.named("valid_share") if not item.value >= 1.0]
     rest = len(summary.named("valid_share")) - len(gaps)
-    title = f"Markers with gaps ({rest} others were measured in every frame)"
+    title = _("Markers with gaps")
+    if rest:
+        title += counted(
+            " (%(n)s other was measured in every frame)", " (%(n)s others were measured in every frame)", rest
+        )
     return _by_subject(title, summary, BY_MARKER, gaps, notes)
 
 
@@ -142,40 +152,41 @@ def overall_table(summary: Summary, notes: Remarks) -> Table:
         item = summary.metric(name)
         if item is not None:
             rows.append(Row(heading(name), (_cell(item, notes, summary),)))
-    return Table("Overall", ("", "Value"), tuple(rows))
+    return Table(_("Overall"), ("", _("Value")), tuple(rows))
 
 
 def repetition_table(summary: Summary) -> Table:
     """One row per repetition; without rows for a take."""
     columns = (
-        "Repetition",
-        "Started by",
-        "Completed",
+        _("Repetition"),
+        _("Started by"),
+        _("Completed"),
         heading("joint_rmse"),
         heading("fingertip_rmse"),
-        "Assistance (× thesis gains)",
+        _("Assistance (× thesis gains)"),
         heading("robot_share"),
     )
     rows: list[Row] = []
     for item in summary.repetitions:
-        helped = sorted({f"{value:.1f}" for value in item.assistance if value == value})
+        helped = sorted(value for value in item.assistance if value == value)
+        ends = [number("assistance", "1", value) for value in (helped[:1] + helped[-1:])]
         texts = (
-            item.started_by or MISSING,
-            "yes" if item.completed else "no",
+            _(_STARTED.get(item.started_by, item.started_by)) or MISSING,
+            _("yes") if item.completed else _("no"),
             number("joint_rmse", "rad", item.rmse_rad),
             number("fingertip_rmse", "m", item.fingertip_rmse_m),
-            " to ".join(dict.fromkeys((helped[0], helped[-1]))) if helped else MISSING,
+            span(*ends) if ends else MISSING,
             number("robot_share", "1", item.robot_share),
         )
         rows.append(Row(str(item.index + 1), tuple(Cell(text) for text in texts)))
-    return Table("Repetitions", columns, tuple(rows))
+    return Table(_("Repetitions"), columns, tuple(rows))
 
 
 def heading(name: str) -> str:
     """Title and unit of a metric."""
     known = definition(name)
     unit = unit_shown(name, known.unit)
-    return f"{known.title} ({unit})" if unit else known.title
+    return f"{_(known.title)} ({unit})" if unit else _(known.title)
 
 
 def _by_subject(

@@ -8,11 +8,15 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from sessions.metrics import definition
+from sessions.reports.language import _, marked
 from sessions.reports.past import Kept, Past
+from sessions.reports.remarks import remark
+from sessions.reports.wording import exercise_words, mode_words
 
 Verdict: TypeAlias = Literal["real", "below MDC", "not measurable"]
 Bound: TypeAlias = Callable[[str, str, str], float | None]
 """Minimal detectable change of a metric and subject by a source, SI units; None where nobody measured it."""
+VERDICTS = (marked("real"), marked("below MDC"), marked("not measurable"))
 STRETCH_RAD = math.radians(2.0)
 """What stretching alone gains (Cochrane review): a gain no larger than that is nobody's success."""
 SAME_STIFFNESS = 0.1
@@ -44,21 +48,19 @@ def comparable(before: Past, after: Past, name: str, subject: str) -> str:
     """Why two sessions may not be compared in this number, empty where they may."""
     one, other = before.number(name, subject), after.number(name, subject)
     if one is None or other is None or one.value is None or other.value is None:
-        return "not measured in both"
+        return _("not measured in both")
     if before.side != after.side:
-        return "another hand"
+        return _("another hand")
     if one.source != other.source:
-        return f"measured by {one.source}, then by {other.source}"
+        return _("measured by %(one)s, then by %(other)s", one=remark(one.source), other=remark(other.source))
     if one.version != other.version:
-        return f"method {one.version}, then {other.version}"
+        return _("method %(one)s, then %(other)s", one=one.version, other=other.version)
     if set(before.modes) != set(after.modes):
-        return (
-            f"{' and '.join(before.modes) or 'unknown'} mode, then {' and '.join(after.modes) or 'unknown'}"
-        )
+        return _("%(one)s mode, then %(other)s", one=mode_words(before.modes), other=mode_words(after.modes))
     if name in ERRORS and not _same_stiffness(before, after):
-        return "another stiffness"
+        return _("another stiffness")
     if name in (*ERRORS, "range_of_motion", "angle_max", "angle_min") and before.exercise != after.exercise:
-        return f"another exercise ({before.exercise})"
+        return _("another exercise (%(name)s)", name=exercise_words(before.exercise))
     return ""
 
 
@@ -102,10 +104,9 @@ def _least(one: Kept, other: Kept, known: float | None) -> tuple[float, str]:
         return max(known, within), ""
     published = published_bound(one)
     if published is None:
-        return math.nan, "nobody measured how repeatable this number is"
-    return max(
-        published, within
-    ), "MDC as published for such measurements: this set-up's own was not measured"
+        return math.nan, _("nobody measured how repeatable this number is")
+    why = _("MDC as published for such measurements: this set-up's own was not measured")
+    return max(published, within), why
 
 
 def published_bound(item: Kept) -> float | None:

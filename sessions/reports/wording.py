@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from sessions.metrics import Metric
+from sessions.reports.language import _, decimal, marked
 
 _SHOWN = {
     "rad": (180.0 / math.pi, "°", 1),
     "m": (1000.0, "mm", 1),
     "m/s": (1000.0, "mm/s", 0),
     "s": (1.0, "s", 2),
-    "Hz": (60.0, "per min", 1),
+    "Hz": (60.0, marked("per min"), 1),
     "Nm": (1.0, "Nm", 3),
     "Nm/rad": (1.0, "Nm/rad", 2),
     "J": (1.0, "J", 3),
@@ -22,19 +24,37 @@ _COUNTS = {"repetitions", "repetitions_by_patient", "stops"}
 MISSING = "—"
 _SHORT = {"mcp", "pip", "dip", "cmc", "ip"}
 _PARTS = {
-    "mcp_flexion": "knuckle (MCP)",
-    "mcp_abduction": "knuckle, sideways (MCP abduction)",
-    "pip": "middle joint (PIP)",
-    "dip": "end joint (DIP)",
-    "cmc_flexion": "base (CMC flexion)",
-    "cmc_abduction": "base, sideways (CMC abduction)",
-    "ip": "end joint (IP)",
+    "mcp_flexion": marked("knuckle (MCP)"),
+    "mcp_abduction": marked("knuckle, sideways (MCP abduction)"),
+    "pip": marked("middle joint (PIP)"),
+    "dip": marked("end joint (DIP)"),
+    "cmc_flexion": marked("base (CMC flexion)"),
+    "cmc_abduction": marked("base, sideways (CMC abduction)"),
+    "ip": marked("end joint (IP)"),
 }
+_FINGERS = {
+    "thumb": marked("thumb"),
+    "index": marked("index finger"),
+    "middle": marked("middle finger"),
+    "ring": marked("ring finger"),
+    "little": marked("little finger"),
+}
+_NAMES = {
+    "thumb": marked("Thumb"),
+    "index": marked("Index"),
+    "middle": marked("Middle"),
+    "ring": marked("Ring"),
+    "little": marked("Little"),
+    "whole": marked("Whole"),
+    "wrist": marked("Wrist"),
+}
+_WORDS = {"flexion": marked("flexion"), "abduction": marked("abduction"), "tip": marked("tip")}
+_HANDS = {"left": marked("left hand"), "right": marked("right hand")}
 
 
 def unit_shown(name: str, unit: str) -> str:
     """The unit that a person reads for a metric in this SI unit; empty where there is none."""
-    return "%" if name in _PERCENT else _SHOWN[unit][1]
+    return "%" if name in _PERCENT else _(_SHOWN[unit][1])
 
 
 def number(name: str, unit: str, value: float) -> str:
@@ -43,9 +63,9 @@ def number(name: str, unit: str, value: float) -> str:
         return MISSING
     if name in _COUNTS:
         return f"{value:.0f}"
-    factor, _, digits = (100.0, "%", 0) if name in _PERCENT else _SHOWN[unit]
+    factor, _unit, digits = (100.0, "%", 0) if name in _PERCENT else _SHOWN[unit]
     text = f"{value * factor:.{digits}f}"
-    return text[1:] if text.startswith("-") and not float(text) else text
+    return decimal(text[1:] if text.startswith("-") and not float(text) else text)
 
 
 def with_unit(item: Metric | None) -> str:
@@ -57,33 +77,54 @@ def with_unit(item: Metric | None) -> str:
     return f"{number(item.name, item.unit, item.value)}{between}{unit}"
 
 
+def span(low: str, high: str) -> str:
+    """Two numbers that are already written, such as "1.0 to 2.5"; one where they are written alike."""
+    return low if low == high else _("%(low)s to %(high)s", low=low, high=high)
+
+
 def interval(item: Metric) -> str:
-    """The 95 % interval without its unit, empty where there is none."""
+    """The 95 % interval without its unit; empty where there is none, or both ends read as the value does."""
     if item.interval is None:
         return ""
-    low, high = item.interval
-    return f"{number(item.name, item.unit, low)} to {number(item.name, item.unit, high)}"
+    low, high = (number(item.name, item.unit, end) for end in item.interval)
+    return "" if low == high == number(item.name, item.unit, item.value) else span(low, high)
 
 
 def joint_name(joint: str) -> str:
     """A joint as a clinician writes it: "Index PIP", "Thumb CMC abduction"."""
-    digit, _, part = joint.partition("_")
-    words = [word.upper() if word in _SHORT else word for word in part.split("_")]
-    return " ".join([digit.capitalize(), *words])
+    digit, _part, part = joint.partition("_")
+    words = [
+        word.upper() if word in _SHORT else _(_WORDS.get(word, word)) for word in part.split("_") if word
+    ]
+    return " ".join([_(_NAMES[digit]) if digit in _NAMES else digit.capitalize(), *words])
 
 
 def joint_words(joint: str) -> str:
     """A joint as a patient reads it: "index finger, middle joint (PIP)"."""
-    digit, _, part = joint.partition("_")
-    finger = "thumb" if digit == "thumb" else f"{digit} finger"
-    return f"{finger}, {_PARTS.get(part, part)}"
+    digit, _part, part = joint.partition("_")
+    return f"{_(_FINGERS.get(digit, digit))}, {_(_PARTS.get(part, part))}"
 
 
 def subject_name(subject: str) -> str:
     """Any subject of a metric for a heading or row."""
-    return joint_name(subject) if "_" in subject else subject.capitalize()
+    return joint_name(subject)
 
 
-def plural(count: int, word: str) -> str:
-    """Such as "1 repetition" and "2 repetitions"."""
-    return f"{count} {word}" if count == 1 else f"{count} {word}s"
+def hand(side: str) -> str:
+    """Such as "right hand"."""
+    return _(_HANDS.get(side, side))
+
+
+def mode_words(modes: Iterable[str]) -> str:
+    """Therapy modes, such as "passive and assistive"."""
+    return _(" and ").join(_(mode) for mode in modes) or _("unknown")
+
+
+def exercise_words(exercise: str) -> str:
+    """The name of an exercise or movement; a name that a program gave it without its underscores."""
+    return _(exercise.replace("_", " ")) if exercise else _("not named")
+
+
+def capital(text: str) -> str:
+    """A text that begins with a capital letter."""
+    return f"{text[:1].upper()}{text[1:]}"

@@ -21,7 +21,9 @@ from sessions.store.reader import SessionReader, check_channel
 
 _HEAD = struct.Struct("<BQH")
 """Opcode, length and channel: what must be known of a record to pass it over."""
-_MESSAGE_BYTES = 22
+_MESSAGE = int(Opcode.MESSAGE)
+_PAYLOAD = PREFIX_BYTES + 22
+"""Where the payload of a message begins, from where its record does."""
 _WINDOW = 16
 """Chunks in a window: few enough that its memory is used again and again."""
 _BATCH, _AHEAD = 8, 3
@@ -128,17 +130,18 @@ def _messages(data: memoryview, channels: Iterable[int]) -> dict[int, list[memor
         Damaged: A record reaches beyond the chunk.
     """
     found: dict[int, list[memoryview]] = {channel: [] for channel in channels}
-    offset, size = 0, len(data)
-    while offset < size:
-        if offset + PREFIX_BYTES + 2 > size:
-            raise Damaged("a chunk ends within a record")
-        opcode, length, channel = _HEAD.unpack_from(data, offset)
-        end = offset + PREFIX_BYTES + length
-        if end > size:
-            raise Damaged("a chunk ends within a record")
-        if opcode == Opcode.MESSAGE and channel in found:
-            if length < _MESSAGE_BYTES:
-                raise Damaged("a message is shorter than its head")
-            found[channel].append(data[offset + PREFIX_BYTES + _MESSAGE_BYTES : end])
-        offset = end
+    head, take, offset, size = _HEAD.unpack_from, found.get, 0, len(data)
+    try:
+        while offset < size:
+            opcode, length, channel = head(data, offset)
+            start = offset + _PAYLOAD
+            offset += PREFIX_BYTES + length
+            if opcode == _MESSAGE and (messages := take(channel)) is not None:
+                if start > offset:
+                    raise Damaged("a message is shorter than its head")
+                messages.append(data[start:offset])
+    except struct.error as error:
+        raise Damaged("a chunk ends within a record") from error
+    if offset > size:
+        raise Damaged("a chunk ends within a record")
     return found

@@ -7,7 +7,7 @@ its payloads are cut out without looking at it field by field. One that differs 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from math import prod
@@ -28,6 +28,7 @@ from sessions.store.schema import ROWS_FIELD
 _WHOLE_BYTES = 2048
 """Messages up to this length are cut out whole, longer ones field by field."""
 Place = tuple[int, int]
+Fixed = tuple[int, int, bytes]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,14 +38,12 @@ class _Layout:
     Attributes:
         places: Start and end of each field's payload by field number, from the message's start.
         shapes: Shape of each wanted field's value by field number, rows first.
-        fixed: Positions of the bytes that are no payload, shape (F,).
-        expected: What stands there, shape (F,).
+        fixed: Start, end and content of every stretch that is no payload.
     """
 
     places: Mapping[int, Place]
     shapes: Mapping[int, tuple[int, ...]]
-    fixed: NDArray[np.int64]
-    expected: NDArray[np.uint8]
+    fixed: tuple[Fixed, ...]
 
 
 class _Bytes:
@@ -55,16 +54,18 @@ class _Bytes:
         self._held: NDArray[np.uint8] = np.empty(0, dtype=np.uint8)
         self._used = 0
 
-    def add(self, payload: bytes, count: int) -> None:
-        """Add the payloads of ``count`` messages."""
-        end = self._used + len(payload)
-        if end > self._held.size:
-            whole = -(-len(payload) // count) * self._messages
-            grown = np.empty(max(end, min(whole, 4 * end) if self._used else whole), dtype=np.uint8)
+    def add(self, payloads: NDArray[np.uint8]) -> None:
+        """Add the payloads of M messages, (M, B); what comes first is held as it is, if it lies together."""
+        size, end = payloads.size, self._used + payloads.size
+        if not self._used:
+            self._held = np.ascontiguousarray(payloads).reshape(-1)
+        elif end > self._held.size:
+            grown = np.empty(max(end, min(payloads.shape[1] * self._messages, 4 * end)), dtype=np.uint8)
             grown[: self._used] = self._held[: self._used]
             self._held = grown
-        self._held[self._used : end] = np.frombuffer(payload, dtype=np.uint8)
-        self._used = end
+        if self._used:
+            self._held[self._used : end].reshape(payloads.shape)[...] = payloads
+        self._used += size
 
     def view(self) -> memoryview:
         """What was added."""
@@ -110,7 +111,7 @@ class Gathering:
                 layout = self._layouts[length] = self._layout(alike[0])
             if length <= _WHOLE_BYTES:
                 self._flush_short(alike, length, layout)
-            elif all(_follows(message, layout) for message in alike):
+            elif _follow(alike, layout):
                 self._cut(alike, layout)
             else:
                 self._flush_singly(alike)
@@ -118,16 +119,16 @@ class Gathering:
     def _flush_short(self, alike: list[memoryview], length: int, layout: _Layout) -> None:
         """Messages of one length, laid under each other: a field is then a stripe of columns."""
         table = np.frombuffer(b"".join(alike), dtype=np.uint8).reshape(len(alike), length)
-        if not (table[:, layout.fixed] == layout.expected).all():
+        if not _stands(table, layout):
             self._flush_singly(alike)
             return
         for number, field in self._wanted.items():
             place = layout.places.get(number)
             if field.column.scalar == "string":
-                self._texts[number] += _texts(alike, place)
+                self._texts[number] += _texts_of(table, place) or _texts(alike, place)
                 continue
-            stripe = table[:, place[0] : place[1]].tobytes() if place else field.default_payload * len(alike)
-            self._parts[number].add(stripe, len(alike))
+            stripe = table[:, place[0] : place[1]] if place else _default(field, len(alike))
+            self._parts[number].add(stripe)
             self._inner[number].add(layout.shapes[number][1:])
         self._rows += self._height(layout) * len(alike)
 
@@ -190,8 +191,7 @@ class Gathering:
         }
         if self._block and len({shape[0] for shape in shapes.values()}) > 1:
             raise Damaged("the columns of a block differ in their number of ticks")
-        fixed = np.flatnonzero(free)
-        return _Layout(places, shapes, fixed, np.frombuffer(message, dtype=np.uint8)[fixed].copy())
+        return _Layout(places, shapes, tuple(_stretches(message, free)))
 
     def _shape(
         self, number: int, field: ColumnField, message: memoryview, places: Mapping[int, Place], rows: int
@@ -210,17 +210,51 @@ class Gathering:
             if field.column.scalar == "string":
                 self._texts[number] += _texts(alike, place)
                 continue
-            parts = [message[place[0] : place[1]] for message in alike] if place else []
-            joined = b"".join(parts) if place else field.default_payload * len(alike)
-            self._parts[number].add(joined, len(alike))
+            self._parts[number].add(_joined(alike, place) if place else _default(field, len(alike)))
             self._inner[number].add(layout.shapes[number][1:])
         self._rows += self._height(layout) * len(alike)
 
 
-def _follows(message: memoryview, layout: _Layout) -> bool:
-    """Whether everything that is no payload stands where the layout has it."""
-    seen = np.frombuffer(message, dtype=np.uint8)[layout.fixed]
-    return bool((seen == layout.expected).all())
+def _stretches(message: memoryview, free: NDArray[np.bool_]) -> Iterator[Fixed]:
+    """Where bytes that are no payload lie together, and what they are."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], free, [False]))))
+    for start, end in edges.reshape(-1, 2).tolist():
+        yield start, end, bytes(message[start:end])
+
+
+def _stands(table: NDArray[np.uint8], layout: _Layout) -> bool:
+    """Whether in every message, (M, B), everything that is no payload stands where the layout has it."""
+    return all(
+        bool((table[:, start:end] == np.frombuffer(content, dtype=np.uint8)).all())
+        for start, end, content in layout.fixed
+    )
+
+
+def _follow(messages: list[memoryview], layout: _Layout) -> bool:
+    """The same of messages that are not laid under each other."""
+    return all(
+        b"".join([message[start:end] for message in messages]) == content * len(messages)
+        for start, end, content in layout.fixed
+    )
+
+
+def _joined(messages: list[memoryview], place: Place) -> NDArray[np.uint8]:
+    """Payloads of one field, (M, B)."""
+    payload = b"".join([message[place[0] : place[1]] for message in messages])
+    return np.frombuffer(payload, dtype=np.uint8).reshape(len(messages), place[1] - place[0])
+
+
+def _default(field: ColumnField, messages: int) -> NDArray[np.uint8]:
+    """What a field means that is absent from all messages, (M, B)."""
+    payload = np.frombuffer(field.default_payload * messages, dtype=np.uint8)
+    return payload.reshape(messages, len(field.default_payload))
+
+
+def _texts_of(table: NDArray[np.uint8], place: Place | None) -> list[str]:
+    """The texts of messages (M, B) that all hold the same one; none where they differ."""
+    if place is None or not bool((table[:, place[0] : place[1]] == table[0, place[0] : place[1]]).all()):
+        return []
+    return _texts([table[0].data], place) * len(table)
 
 
 def _texts(messages: list[memoryview], place: Place | None) -> list[str]:

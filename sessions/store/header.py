@@ -13,6 +13,8 @@ from sessions.records import FORMAT_VERSION, SessionHeader
 from sessions.store.damage import Damaged
 
 METADATA_NAME = "session"
+_ADDED = {"station": ""}
+"""Fields that older files lack, and what they mean there."""
 _DIGEST = "sha256"
 
 
@@ -36,6 +38,7 @@ def header_from_texts(texts: dict[str, str]) -> SessionHeader:
     if texts.get(_DIGEST) != _digest(values):
         raise Damaged("its header fails its digest")
     _check_version(values)
+    values = _ADDED | values
     try:
         return SessionHeader(
             **{

@@ -17,7 +17,7 @@ from tests.bench.interval_coverage import covered
 pytestmark = pytest.mark.bench
 
 MOVEMENTS, RATE_HZ = 1000, 100.0
-HELD_OUT = range(201, 209)
+HELD_OUT = range(301, 309)
 MOVES = ("open_close", "index_pip", "tapping", "pinch")
 
 
@@ -69,9 +69,9 @@ def test_a_thousand_movements() -> None:
 
 def test_intervals_hold_the_truth_on_seeds_that_tuned_nothing(tmp_path: Path) -> None:
     counts = covered(tmp_path, MOVES, HELD_OUT)
-    for name, (held, number) in counts.items():
-        say(f"{name}: {100 * held / number:.1f} % of {number}")
-    held, number = (sum(row[column] for row in counts.values()) for column in (0, 1))
+    for name, row in counts.items():
+        say(row.words(name))
+    held, number = (sum(getattr(row, name) for row in counts.values()) for name in ("held", "number"))
     say(f"all: {100 * held / number:.1f} % of {number}")
     assert set(counts) == set(SHARES)
     assert 0.90 <= held / number <= 0.98

@@ -63,8 +63,8 @@ class ClinicServer:
 def serving(folder: Path) -> Generator[ClinicServer]:
     """A server until the end of the block; its log must hold no traceback."""
     server = ClinicServer(folder)
-    server.open()
     try:
+        server.open()
         yield server
     finally:
         server.close()

@@ -7,10 +7,12 @@ import re
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import expect
 
 from rehab_app.access import CONSOLE
 from rehab_app.bootstrap import open_clinic
 from rehab_app.services.order import Order
+from rehab_app.services.retouching import Wish
 from rehab_app.web.language import COOKIE, LANGUAGES
 
 from .clinic_server import serving
@@ -18,7 +20,7 @@ from .clinic_server import serving
 pytestmark = pytest.mark.browser
 
 AXE = Path(__file__).parents[1] / "foreign" / "node_modules" / "axe-core" / "axe.min.js"
-ADMINISTRATOR, PASSWORD = "ada", "a hand that opens"
+ADMINISTRATOR, SCREEN, PASSWORD = "ada", "screen", "a hand that opens"
 PAGES = (
     "/live",
     "/help",
@@ -29,6 +31,7 @@ PAGES = (
     "/patients/{patient}/diagnosis",
     "/patients/{patient}/limits",
     "/patients/{patient}/plan",
+    "/patients/{patient}/plan?add=open_close",
     "/patients/{patient}/progress",
     "/patients/{patient}/assessments",
     "/patients/{patient}/outcomes",
@@ -36,6 +39,7 @@ PAGES = (
     "/patients/{patient}/sessions",
     "/patients/{patient}/data",
     "/patients/{patient}/compare",
+    "/patients/{patient}/compare?first={earlier}&second={session}",
     "/patients/{patient}/next",
     "/exercises",
     "/exercises/open_close",
@@ -43,6 +47,7 @@ PAGES = (
     "/takes/{take}",
     "/takes/{take}/report",
     "/takes/{take}/names",
+    "/takes/{retouched}/compare",
     "/sessions",
     "/sessions/{session}",
     "/sessions/{session}/report",
@@ -52,10 +57,13 @@ PAGES = (
     "/clinic/users",
     "/clinic/audit",
     "/clinic/devices",
+    "/clinic/settings",
+    "/clinic/stations",
     "/clinic/calibration",
     "/clinic/backup",
     "/there-is-no-such-page",
 )
+MEASURED = ("/report", "/progress", "&second={session}")
 SERIOUS = {"serious", "critical"}
 
 
@@ -70,7 +78,7 @@ def axe():
 
 @pytest.fixture(scope="module")
 def ids(served):
-    """A patient, a take and a played session of the clinic, and an administrator, who may open every page."""
+    """A patient, takes and played sessions of the clinic, and an administrator, who may open every page."""
     with open_clinic(served.folder) as clinic:
         clinic.accounts.add_user(ADMINISTRATOR, "administrator", PASSWORD, CONSOLE)
         take = clinic.takes.record_virtual("open_close", "right", 1.5, 3, CONSOLE).take
@@ -78,8 +86,17 @@ def ids(served):
         patient = clinic.patients.list()[0].id
         order = Order(speed=1.0, repetitions=1)
         plan = clinic.therapy.plan(take, order, actor=CONSOLE, patient_id=patient)
-        played = clinic.therapy.rehearse_and_play(plan, actor=CONSOLE, present=patient)
-        return {"patient": patient, "take": take, "session": played.session}
+        played = [clinic.therapy.rehearse_and_play(plan, actor=CONSOLE, present=patient) for _ in range(2)]
+        retouched = clinic.retouching.retouch(take, Wish(trim_s=(0.2, 1.4)), "to look at", actor=CONSOLE).id
+        clinic.accounts.add_user(SCREEN, "patient", PASSWORD, CONSOLE, patient)
+        earlier, session = (one.session for one in played)
+        return {
+            "patient": patient,
+            "take": take,
+            "retouched": retouched,
+            "earlier": earlier,
+            "session": session,
+        }
 
 
 def violations(page, axe):
@@ -97,12 +114,12 @@ def violations(page, axe):
     ]
 
 
-def sign_in(page, served):
+def sign_in(page, served, name=ADMINISTRATOR):
     page.goto(served.address + "/sign-in")
-    page.fill("input[name=name]", ADMINISTRATOR)
+    page.fill("input[name=name]", name)
     page.fill("input[name=password]", PASSWORD)
     page.click("main button[type=submit]")
-    page.wait_for_url(re.compile(r"/(live|patients|clinic|$)"))
+    page.wait_for_url(re.compile(r"/(live|patients|clinic|mine|$)"))
 
 
 def test_no_page_has_a_serious_violation(page, served, ids, axe):
@@ -115,12 +132,31 @@ def test_no_page_has_a_serious_violation(page, served, ids, axe):
             sign_in(page, served)
         for path in PAGES:
             # a report is measured while its page waits: leave it only when it is there
-            until = "load" if path.endswith(("/report", "/progress")) else "domcontentloaded"
-            answer = page.goto(served.address + path.format(**ids), wait_until=until)
+            until = "load" if path.endswith(MEASURED) else "domcontentloaded"
+            answer = page.goto(served.address + path.format(**ids), wait_until=until, timeout=180_000)
             assert answer.ok or path == PAGES[-1], path
             assert page.get_attribute("html", "lang") == language
             problems[f"{language} {path}"] = violations(page, axe)
     assert not {path: found for path, found in problems.items() if found}
+
+
+def test_the_screen_of_a_patient_has_no_serious_violation(visitor, served, ids, axe):
+    """As the patient whose it is sees it, beside the robot, also once the server is gone."""
+    page = visitor()
+    sign_in(page, served, SCREEN)
+    assert page.url.endswith("/mine")
+    assert violations(page, axe) == []
+    page.evaluate("document.getElementById('stop').classList.add('failed')")
+    assert violations(page, axe) == []
+
+
+def test_the_live_page_has_no_serious_violation_in_any_tab(visitor, served, ids, axe):
+    page = visitor()
+    sign_in(page, served)
+    page.goto(served.address + "/live")
+    for tab in ("Session", "Therapy", "Record a take"):
+        page.get_by_role("tab", name=tab).click()
+        assert violations(page, axe) == [], tab
 
 
 def test_a_form_that_came_too_late_has_no_serious_violation(visitor, served, ids, axe):
@@ -140,6 +176,8 @@ def test_a_form_that_came_too_late_has_no_serious_violation(visitor, served, ids
     page.click("main button[type=submit]")
     page.wait_for_url(re.compile("/kept"))
     assert violations(page, axe) == []
+    expect(page.get_by_label("What should be known")).to_have_value("late, but kept")
+    assert page.locator("main label:visible").count() == 1, "what a page fills in is sent, but not shown"
 
 
 def test_the_first_page_of_an_empty_clinic_has_no_serious_violation(visitor, tmp_path, axe):
@@ -155,13 +193,13 @@ def test_the_first_page_of_an_empty_clinic_has_no_serious_violation(visitor, tmp
             assert violations(page, axe) == []
 
 
-def test_every_page_of_the_shell_is_looked_at(served, ids):
+def test_every_page_of_the_shell_is_looked_at(served):
     """A page that is added later must be added above."""
     from rehab_app.web import create_app
 
     apart = re.compile(
         r"^/($|sign-in|set-up|stop/|here|healthz|metrics$|kept|unlock|prescribe|exercise-pictures|live/.)"
-        r"|/view/|/state$|/first.jpg$|\.(svg|csv|html|json|\{)|\.\{?format|/board|/file/|^/takes/.*/compare$"
+        r"|/view/|/state$|/first.jpg$|\.(svg|csv|html|json|\{)|\.\{?format|/board|/file/"
     )
     with open_clinic(served.folder) as clinic:
         paths = {
@@ -169,6 +207,7 @@ def test_every_page_of_the_shell_is_looked_at(served, ids):
             for route in create_app(clinic, open_viewports=lambda _: None).routes
             if "GET" in (getattr(route, "methods", None) or ())
         }
-    shapes = {path.format(patient="{patient}", take="{recording}", session="{recording}") for path in PAGES}
+    ids = {"patient": "{patient}"} | dict.fromkeys(("take", "retouched", "session", "earlier"), "{recording}")
+    shapes = {path.partition("?")[0].format(**ids) for path in PAGES}
     shapes = {re.sub("^/exercises/.*", "/exercises/{name:path}", shape) for shape in shapes}
     assert not {path for path in paths if not apart.search(path)} - shapes

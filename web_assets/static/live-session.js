@@ -160,7 +160,7 @@ confirmSession();
 async function tapPain(fields) {
   const answer = await fetch("/live/pain", {
     method: "POST",
-    headers: { Accept: "application/json", "X-Form-Token": token },
+    headers: { Accept: "application/json", "X-Form-Token": document.body.dataset.token },
     body: new URLSearchParams({ ...fields, page }),
   });
   const told = await answer.json().catch(() => ({ message: WORDS.noAnswer }));

@@ -1,7 +1,6 @@
 // The live page: sends what the person asks for, shows what the server says. The server decides everything.
 "use strict";
 const page = [...crypto.getRandomValues(new Uint8Array(16))].map((b) => b.toString(16).padStart(2, "0")).join("");
-const token = document.body.dataset.token;
 const main = document.getElementById("main");
 const said = document.getElementById("said");
 const frame = document.querySelector("iframe[data-viewport]");
@@ -19,14 +18,20 @@ let heldSpeed = false;
 
 // --- what the person asks for
 
+// The page is covered and asks for the password: a note that is being written stays where it is.
+function signInEnded() {
+  if (byId("cover")) document.dispatchEvent(new Event("sign-in-ended"));
+  else location.assign("/sign-in?next=/live");
+}
+
 async function ask(path, fields) {
   const answer = await fetch(path, {
     method: "POST",
-    headers: { Accept: "application/json", "X-Form-Token": token },
+    headers: { Accept: "application/json", "X-Form-Token": document.body.dataset.token },
     body: new URLSearchParams({ ...fields, page }),
   });
   const text = await answer.json().catch(() => ({ message: WORDS.noAnswer }));
-  if (answer.status === 401) return void location.assign("/sign-in?next=/live");
+  if (answer.status === 401) return void signInEnded();
   if (!answer.ok) {
     refusedUntil = performance.now() + 8000;
     say("⚠ " + text.message, "bad");
@@ -78,7 +83,7 @@ for (const button of all("[data-do]")) {
     if (await ask("/takes/" + now.take + "/approve", { back: "live" })) await listTakes(now.take);
   });
 }
-// today's range and the fit: the same form, another verb; no take is needed for them
+// assessments and the fit: the same form, another verb
 const order = byId("panel-play");
 for (const button of all("[data-ask]")) {
   button.addEventListener("click", () => {
@@ -114,6 +119,7 @@ for (const tab of tabs) {
   });
 }
 if (location.hash === "#record") choose(byId("tab-record"));
+if (location.hash === "#assess") byId("assess").open = true;
 byId("desk-toggle").addEventListener("click", () => {
   const open = document.body.classList.toggle("desk-closed");
   byId("desk-toggle").setAttribute("aria-expanded", String(!open));
@@ -169,12 +175,13 @@ function show(state) {
   const playing = now.state === "playing";
   figure("phase", playing ? now.phase : "");
   fill("run", now.run);
-  fill("counted", now.kind === "range" ? WORDS.posture : WORDS.repetition);
+  fill("counted", { range: WORDS.posture, tone: WORDS.stretch }[now.kind] ?? WORDS.repetition);
   figure("repetition", playing && now.repetitions && now.repetition > 0 ? told("counted", { n: now.repetition, m: now.repetitions }) : "");
   figure("tracking", now.state === "recording" && now.tracking_percent !== null ? `${now.tracking_percent} %` : "");
   showTarget();
   showQuality();
   showPatient();
+  confirmStill();
   if (performance.now() > refusedUntil) say(now.message, now.state === "failed" ? "bad" : now.paused ? "caution" : "");
   showDesk();
   if (now.state === "done" && now.take && !now.session && now.take !== knownTake) listTakes("");
@@ -216,6 +223,7 @@ function showDesk() {
     part.hidden = words === undefined;
     if (words !== undefined && part.textContent !== words) part.textContent = words;
   }
+  if (now.kind === "tone") byId("speed").closest("label").hidden = true; // its three speeds are what it measures
   list("notes", now.notes);
   byId("notes").hidden = !now.notes.length;
   if (main.dataset.mayPlay === "no") for (const part of all("#busy-desk button:not([data-do=pain]), #speed")) part.disabled = true;
@@ -229,10 +237,13 @@ function showDesk() {
   byId("after").hidden = !(ended && (now.session || (now.take && !now.kind)));
   for (const part of all("[data-after=take]")) part.hidden = Boolean(now.session || now.kind) || !now.take;
   for (const part of all("[data-after=session]")) part.hidden = !now.session;
+  const assessed = now.session && now.patient && ["range", "tone", "tracking"].includes(now.kind);
+  for (const part of all("[data-after=assessed]")) part.hidden = !assessed;
   fill("take", now.take); fill("session", now.session);
   link("take", "/takes/" + now.take);
   link("session", "/sessions/" + now.session);
   link("report", "/sessions/" + now.session + "/report");
+  if (assessed) link("assessments", "/patients/" + now.patient.id + "/assessments");
 }
 
 function link(name, path) {
@@ -275,6 +286,14 @@ function list(name, sentences) {
     return item;
   }));
   place.scrollTop = place.scrollHeight;
+}
+
+// Asked again for each patient: also when somebody else's hand was in the robot since, or the page was covered.
+function confirmStill() {
+  const box = order.elements.present;
+  const other = [now.busy ? now.patient?.id : "", now.session_course?.who?.id].some((id) => id && id !== box.value);
+  const covered = byId("cover") !== null && !byId("cover").hidden;
+  if (box.checked && (other || covered)) box.checked = false;
 }
 
 function confirmAnew() {
@@ -387,13 +406,13 @@ function tick() {
   const lost = performance.now() - answeredAt > 1000;
   stale.hidden = late < 300;
   stale.firstElementChild.textContent = lost ? WORDS.lost : WORDS.stale;
-  beat.postMessage({ token, page, alive: late < 1000, hidden: document.hidden });
+  beat.postMessage({ token: document.body.dataset.token, page, alive: late < 1000, hidden: document.hidden });
 }
 
 const beat = new Worker("/static/beat.js");
 beat.onmessage = (event) => {
   const { status, said: state } = event.data;
-  if (status === 401) return void location.assign("/sign-in?next=/live");
+  if (status === 401) return void signInEnded();
   if (status !== 200) return;
   hear(state);
   show(state);

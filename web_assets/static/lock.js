@@ -53,6 +53,7 @@
   }
   setInterval(look, 1000);
   document.addEventListener("visibilitychange", look);
+  document.addEventListener("sign-in-ended", () => show(true)); // a script was answered so: what is typed stays
 
   form.addEventListener("submit", async (event) => {
     event.preventDefault();

@@ -12,7 +12,7 @@ from rehab_app.web.visit import Visit
 def decimal(text: str) -> float:
     """A number as people type it, with decimal comma or point; NaN where it is none."""
     try:
-        return float(text.replace(",", "."))
+        return float(text.replace(",", ".").replace("\N{MINUS SIGN}", "-"))
     except ValueError:
         return math.nan
 
@@ -51,6 +51,23 @@ def whole(visit: Visit, name: str, thing: str, default: int | None = None) -> in
     if not (text.isascii() and text.isdecimal() and len(text) <= 6):
         raise Refused(thing, repr(text[:40]), "a whole number", "type one")
     return int(text)
+
+
+def not_overtaken(visit: Visit, thing: str, now: str, typed: str) -> None:
+    """Refuse a form that somebody else's change has overtaken: its field "was" says from what it was made.
+
+    Args:
+        visit: The request.
+        thing: What is changed, for the sentence.
+        now: How it stands.
+        typed: What is asked for; where it stands so already, nothing is overtaken.
+
+    Raises:
+        Refused: It was changed meanwhile.
+    """
+    if visit.form.get("was", now).strip() != now and typed != now:
+        value = f"changed to {now!r} by somebody else meanwhile"
+        raise Refused(thing, value, "as it was when you began", "decide, and send it again")
 
 
 def choice(text: str, thing: str, known: Iterable[str]) -> str:

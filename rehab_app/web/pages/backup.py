@@ -8,9 +8,10 @@ from pathlib import Path
 
 from starlette.responses import FileResponse, Response
 
-from rehab_app.errors import Refused
+from rehab_app.errors import REFUSALS, Refused
 from rehab_app.web.language import _
-from rehab_app.web.pages.asked import whole
+from rehab_app.web.pages.asked import not_overtaken, whole
+from rehab_app.web.pages.typed import sentence_of
 from rehab_app.web.visit import Visit
 
 PAGE = "/clinic/backup"
@@ -33,17 +34,25 @@ class StoredBackup:
 
 def backup(visit: Visit) -> Response:
     """The page."""
+    return _shown(visit)
+
+
+def _shown(visit: Visit, refused: str = "", problem: str = "") -> Response:
+    """The page; the form that was refused holds what was typed."""
     privacy = visit.site.clinic.privacy
     last = privacy.backups.last()
     now_ns = time.time_ns()
     return visit.page(
         "clinic_backup.html.j2",
+        status=409 if refused else 200,
+        problems={refused: problem},
+        was={"place": privacy.place.place(), "years": privacy.retention.years()},
         last=last,
         last_days=None if last is None else (now_ns - last.utc_ns) // 86_400_000_000_000,
         has_key=privacy.backups.key() is not None,
-        place=privacy.place.place(),
+        place=visit.asked("place") if refused == "place" else privacy.place.place(),
         stored=[_row(path) for path in privacy.place.stored()],
-        years=privacy.retention.years(),
+        years=visit.asked("years") if refused == "years" else privacy.retention.years(),
         due=[visit.site.clinic.patients.get(one) for one in privacy.retention.due()],
     )
 
@@ -59,7 +68,12 @@ def set_passphrase(visit: Visit) -> Response:
 
 def set_place(visit: Visit) -> Response:
     """Choose the folder of the backups."""
-    visit.site.clinic.privacy.place.set_place(visit.account, Path(visit.asked("place")))
+    kept = visit.site.clinic.privacy.place
+    try:
+        not_overtaken(visit, "folder of the backups", str(kept.place()), visit.asked("place"))
+        kept.set_place(visit.account, Path(visit.asked("place")))
+    except REFUSALS as refusal:
+        return _shown(visit, "place", sentence_of(refusal))
     return visit.go(PAGE, _("Backups go to that folder from now on."))
 
 
@@ -89,8 +103,13 @@ def restore(visit: Visit) -> Response:
 
 def set_retention(visit: Visit) -> Response:
     """Change how long patients are kept."""
-    years = whole(visit, "years", "retention")
-    visit.site.clinic.privacy.retention.set_years(visit.account, years)
+    kept = visit.site.clinic.privacy.retention
+    try:
+        years = whole(visit, "years", "retention")
+        not_overtaken(visit, "retention", f"{kept.years()}", f"{years}")
+        kept.set_years(visit.account, years)
+    except Refused as refusal:
+        return _shown(visit, "years", sentence_of(refusal))
     return visit.go(PAGE, _("The retention is changed. Nothing is erased by itself."))
 
 

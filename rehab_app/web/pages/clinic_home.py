@@ -7,6 +7,7 @@ from starlette.routing import Route
 
 from rehab_app.access import Verb
 from rehab_app.web.language import marked
+from rehab_app.web.pages.first_steps import first_steps
 from rehab_app.web.visit import Visit
 
 _CARDS: tuple[tuple[str, Verb, str, str], ...] = (
@@ -15,6 +16,7 @@ _CARDS: tuple[tuple[str, Verb, str, str], ...] = (
     ("/clinic/audit", "audit", marked("Audit"), marked("Who did what, in an unbroken chain.")),
     ("/clinic/devices", "view", marked("Devices"), marked("Robots and cameras, and what is known of them.")),
     ("/clinic/calibration", "view", marked("Calibration"), marked("How well the cameras measure.")),
+    ("/clinic/stations", "view", marked("Stations"), marked("Each room's machine, and who is treated.")),
     ("/clinic/backup", "backup", marked("Backup"), marked("Backups, restore, and how long data is kept.")),
     ("/clinic/settings", "manage_users", marked("Settings"), marked("What holds for the whole clinic.")),
     ("/help", "view", marked("Help"), marked("First steps, and what the words mean.")),
@@ -25,4 +27,4 @@ def home(visit: Visit) -> Response:
     """The page."""
     paths = {route.path for route in visit.request.app.routes if isinstance(route, Route)}
     cards = [card for card in _CARDS if card[0] in paths and visit.account.may(card[1])]
-    return visit.page("clinic.html.j2", cards=cards)
+    return visit.page("clinic.html.j2", cards=cards, first=first_steps(visit))

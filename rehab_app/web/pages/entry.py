@@ -9,7 +9,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
 
 from rehab_app.access import Account
-from rehab_app.errors import Refused
+from rehab_app.errors import NoAnswer, Refused
 from rehab_app.web.language import _
 from rehab_app.web.presence import (
     COOKIE,
@@ -20,6 +20,7 @@ from rehab_app.web.presence import (
     take_cookie,
     ticket_of,
 )
+from rehab_app.web.refusals import sentence_of
 from rehab_app.web.render import render
 from rehab_app.web.site import Site
 from rehab_app.web.stop import is_local
@@ -113,7 +114,7 @@ def _sign_in(request: Request, form: dict[str, str]) -> Response:
     try:
         account = _proven(request, name, form.get("password", ""))
     except Refused as refusal:
-        return _sign_in_page(request, name, _sentence(refusal), 403)
+        return _sign_in_page(request, name, sentence_of(refusal), 403)
     wanted = form.get("next", "")
     return _signed_in(request, account.name, wanted if is_local(wanted) else "/")
 
@@ -130,8 +131,8 @@ def _unlock(request: Request, form: dict[str, str]) -> Response:
         account = _proven(request, name, form.get("password", ""), again=True)
     except Refused as refusal:
         if wants_json(request):
-            return JSONResponse({"message": _sentence(refusal)}, 403)
-        return _sign_in_page(request, name, _sentence(refusal), 403)
+            return JSONResponse({"message": sentence_of(refusal)}, 403)
+        return _sign_in_page(request, name, sentence_of(refusal), 403)
     to_script = wants_json(request)
     answer: Response = RedirectResponse(back if is_local(back) else "/", 303)
     if present(site, request) is not None:
@@ -172,6 +173,8 @@ def _proven(request: Request, name: str, password: str, again: bool = False) -> 
     try:
         with site.signing_in:
             account = (accounts.unlock if again else accounts.sign_in)(name, password)
+    except NoAnswer:  # nobody guessed anything
+        raise
     except Refused:
         site.sign_in_limit.fail(address)
         raise
@@ -206,11 +209,6 @@ def _signed_in(request: Request, name: str, path: str) -> Response:
     answer = RedirectResponse(path, 303)
     sign_in_cookie(request.app.state.site, answer, name, request)
     return answer
-
-
-def _sentence(refusal: Refused) -> str:
-    text = str(refusal)
-    return text[:1].upper() + text[1:]
 
 
 def _address(request: Request) -> str:

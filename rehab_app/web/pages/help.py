@@ -5,25 +5,9 @@ from __future__ import annotations
 from starlette.responses import Response
 
 from rehab_app.web.language import marked
+from rehab_app.web.pages.first_steps import STEPS
 from rehab_app.web.visit import Visit
 
-_STEPS = (
-    (
-        "/patients/new",
-        marked("Add a patient"),
-        marked("Name, birth date and affected hand; then the diagnosis."),
-    ),
-    (
-        "/live#record",
-        marked("Record a movement"),
-        marked("Show it to the camera, look at the take and approve it."),
-    ),
-    (
-        "/live",
-        marked("Play it"),
-        marked("Choose the patient and the take, compare the name, rehearse and play."),
-    ),
-)
 _PAGES = (
     ("live", marked("Live"), marked("Records a take, plays it on the robot, and leads through a session.")),
     (
@@ -79,4 +63,4 @@ _WORDS = (
 
 def guide(visit: Visit) -> Response:
     """The page."""
-    return visit.page("help.html.j2", steps=_STEPS, parts=_PAGES, keys=_KEYS, words=_WORDS)
+    return visit.page("help.html.j2", steps=STEPS, parts=_PAGES, keys=_KEYS, words=_WORDS)

@@ -11,6 +11,7 @@ from rehab_app.services.recording_request import LIVE_KINDS, PROTOCOL, VIRTUAL
 from rehab_app.web.language import _
 from rehab_app.web.live_state import live_state
 from rehab_app.web.pages.asked import number
+from rehab_app.web.pages.first_steps import first_steps
 from rehab_app.web.visit import Visit
 from rehab_app.web.words import EXERCISES, MODES, ROBOTS, SPACES, TWINS
 
@@ -36,6 +37,7 @@ def live(visit: Visit) -> Response:
         chosen_exercise=visit.request.query_params.get("exercise", "") or "open_close",
         skin=SKIN,
         swelling=SWELLING,
+        first=first_steps(visit),
         aim=choice_fields(clinic.live.target.choice),
     )
 

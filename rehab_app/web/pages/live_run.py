@@ -1,9 +1,8 @@
-"""Runs on the live page: therapy, today's range, the fit; and what is asked of them while they go on."""
+"""Runs on the live page: therapy, assessments, the fit; and what is asked of them while they go on."""
 
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 from starlette.responses import JSONResponse, Response
@@ -12,6 +11,7 @@ from rehab_app.errors import REFUSALS, Refused
 from rehab_app.services.order import EXOSKELETON, Order
 from rehab_app.web.language import _
 from rehab_app.web.pages.asked import choice, decimal, number, whole
+from rehab_app.web.pages.recordings import catalogue_id
 from rehab_app.web.render import clock
 from rehab_app.web.visit import Visit
 from rehab_app.web.words import ROBOTS
@@ -38,6 +38,16 @@ def measure(visit: Visit) -> Response:
 def fit(visit: Visit) -> Response:
     """Check fit and signs after donning."""
     return _assess(visit, "fit")
+
+
+def tone(visit: Visit) -> Response:
+    """Measure the resistance to stretches at three speeds."""
+    return _assess(visit, "tone", arm_posture=visit.asked("arm"))
+
+
+def tracking(visit: Visit) -> Response:
+    """Let the patient follow the chosen take alone."""
+    return _assess(visit, "tracking", take_id=_take(visit))
 
 
 def pause(visit: Visit) -> Response:
@@ -110,10 +120,16 @@ def _limits(visit: Visit, patient: str, device: str, wrist_rad: float) -> dict[s
     }
 
 
-def _assess(visit: Visit, kind: str) -> Response:
+def _assess(visit: Visit, kind: str, *, take_id: str = "", arm_posture: str = "") -> Response:
     patient = _patient(visit)
     visit.site.clinic.live.start_assessment(
-        visit.account, kind, patient, _order(visit), present=_present(visit, patient)
+        visit.account,
+        kind,
+        patient,
+        _order(visit),
+        present=_present(visit, patient),
+        take_id=take_id,
+        arm_posture=arm_posture,
     )
     visit.site.operator.take_over(visit.asked("page"), visit.account.name)
     return visit.go("/live", _("Rehearsing on the virtual twin."))
@@ -173,6 +189,4 @@ def _take(visit: Visit) -> str:
     named = visit.asked("take")
     if not named:
         raise Refused("take", "not chosen", "an approved take", "choose one, or record and approve one first")
-    if Path(named).name != named or not named.isalnum():
-        raise Refused(f"take {named!r}", "no catalogue id", "letters and digits", "choose it from the list")
-    return named
+    return catalogue_id(named)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 from starlette.responses import Response
 
 from rehab_app.errors import Refused
-from rehab_app.web.language import _, marked
-from rehab_app.web.pages.asked import decimal
+from rehab_app.web.language import _, marked, written
+from rehab_app.web.pages.asked import not_overtaken, number
+from rehab_app.web.pages.typed import sentence_of
 from rehab_app.web.visit import Visit
 
 _WORDS = {
@@ -22,16 +21,24 @@ _PERCENT = ("speed", "resistance", "range")
 
 def next_step(visit: Visit) -> Response:
     """Every item of the plan with what is proposed for it, and what was answered before."""
+    return _page(visit)
+
+
+def _page(visit: Visit, problem: str = "") -> Response:
+    """The page; a refused aim stands there as it was typed."""
     patient = visit.site.patients.get(visit.part("patient"))
     proposals = visit.site.clinic.proposals
     made, answers = proposals.of_patient(patient.id), proposals.answers(patient.id, 20)
     words = visit.site.clinic.exercises.words
     return visit.page(
         "report_next.html.j2",
+        status=409 if problem else 200,
+        problem=problem,
+        typed=visit.asked("percent"),
         patient=patient,
         proposals=[(one, words(one.item.exercise), _shown(one.changes)) for one in made],
         answers=[(one, words(one.exercise), _shown(one.changes)) for one in answers],
-        target=round(100 * proposals.target()),
+        target=_aim(visit),
         has_plan="/patients/{patient}/plan" in _paths(visit),
     )
 
@@ -53,14 +60,17 @@ def answer(visit: Visit) -> Response:
 
 def aim(visit: Visit) -> Response:
     """Aim at another share of successful repetitions, for the whole clinic."""
-    back, share = f"/patients/{visit.part('patient')}/next", decimal(visit.asked("percent")) / 100.0
-    if not math.isfinite(share):
-        return visit.go(back, _("The aim must be a number of percent, such as 70."), good=False)
     try:
-        visit.site.clinic.proposals.set_target(visit.account, share)
+        percent = number(visit, "percent", "aim of success", "a number of percent, such as 70")
+        not_overtaken(visit, "aim of success", _aim(visit), written(percent))
+        visit.site.clinic.proposals.set_target(visit.account, percent / 100.0)
     except Refused as refusal:
-        return visit.go(back, str(refusal), good=False)
-    return visit.go(back, _("The aim is set."))
+        return _page(visit, sentence_of(refusal))
+    return visit.go(f"/patients/{visit.part('patient')}/next", _("The aim is set."))
+
+
+def _aim(visit: Visit) -> str:
+    return written(round(100 * visit.site.clinic.proposals.target(), 2))
 
 
 def _shown(changes: tuple[tuple[str, float, float], ...]) -> list[tuple[str, str, str]]:
@@ -69,7 +79,7 @@ def _shown(changes: tuple[tuple[str, float, float], ...]) -> list[tuple[str, str
 
 
 def _number(name: str, value: float) -> str:
-    return f"{100 * value:.0f} %" if name in _PERCENT else f"{value:g}"
+    return f"{written(100 * value, 0)} %" if name in _PERCENT else written(value)
 
 
 def _paths(visit: Visit) -> set[str]:

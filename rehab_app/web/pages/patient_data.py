@@ -12,6 +12,7 @@ from starlette.responses import FileResponse, Response
 from rehab_app.errors import Refused
 from rehab_app.web.language import _
 from rehab_app.web.pages.patient_tabs import patient_head
+from rehab_app.web.pages.typed import sentence_of
 from rehab_app.web.visit import Visit
 
 
@@ -23,9 +24,12 @@ def data(visit: Visit) -> Response:
 def state_consent(visit: Visit) -> Response:
     """Note what the patient says about images."""
     patient, said = visit.part("patient"), visit.asked("given")
-    if said not in ("yes", "no"):
-        raise Refused("consent", "not chosen", "given or withdrawn", "choose one")
-    visit.site.clinic.privacy.consents.state(visit.account, patient, said == "yes", visit.asked("remark"))
+    try:
+        if said not in ("yes", "no"):
+            raise Refused("consent", "not chosen", "given or withdrawn", "choose one")
+        visit.site.clinic.privacy.consents.state(visit.account, patient, said == "yes", visit.asked("remark"))
+    except Refused as refusal:
+        return _page(visit, sentence_of(refusal), 409, "consent")
     return visit.go(f"/patients/{patient}/data", _("The consent is noted."))
 
 
@@ -59,11 +63,12 @@ def erase(visit: Visit) -> Response:
     try:
         visit.site.clinic.privacy.erasures.erase(visit.account, patient, visit.asked("confirmed"))
     except Refused as refusal:
-        return _page(visit, str(refusal), 409)
+        return _page(visit, sentence_of(refusal), 409, "erase")
     return visit.go("/patients", _("%(patient)s is erased.") % {"patient": patient})
 
 
-def _page(visit: Visit, sentence: str = "", status: int = 200) -> Response:
+def _page(visit: Visit, sentence: str = "", status: int = 200, wrong: str = "") -> Response:
+    """The page; the form that was refused stands there as it was typed."""
     clinic, patient_id = visit.site.clinic, visit.part("patient")
     patient = clinic.patients.get(patient_id)
     may = visit.account.may("erase")
@@ -77,4 +82,6 @@ def _page(visit: Visit, sentence: str = "", status: int = 200) -> Response:
         with_images=clinic.privacy.consents.with_images(patient_id),
         found=clinic.privacy.erasures.belongings(visit.account, patient_id) if may else None,
         sentence=sentence,
+        wrong=wrong,
+        typed={name: visit.asked(name) for name in ("given", "remark", "confirmed")},
     )

@@ -11,7 +11,7 @@ from rehab_app.errors import REFUSALS, Refused
 from rehab_app.services.clinical import bones_of
 from rehab_app.services.diagnosis import precautions
 from rehab_app.services.diagnosis_templates import TEMPLATES
-from rehab_app.web.language import _
+from rehab_app.web.language import _, written
 from rehab_app.web.pages import patient_words as words
 from rehab_app.web.pages.asked import decimal
 from rehab_app.web.pages.patient_tabs import patient_head
@@ -130,7 +130,7 @@ def _shown(record: ClinicalRecord | None) -> dict[str, str]:
     values |= {"diagnosis": record.diagnosis, "event_date": record.event_date, "mas": record.mas}
     values |= {name: "yes" if getattr(record, name) else "" for name in _FLAGS}
     lengths_m = [length_m for row in bones_of(record) for length_m in row]
-    return values | {name: f"{round(1e3 * one, 1):g}" for name, one in zip(BONES, lengths_m, strict=False)}
+    return values | {name: written(round(1e3 * one, 1)) for name, one in zip(BONES, lengths_m, strict=False)}
 
 
 def _bones(form: Typed) -> str:

@@ -15,13 +15,14 @@ from rehab_app.services.patients import (
     side_named,
 )
 from rehab_app.services.plain_text import many_lines, needed, one_line
+from rehab_app.web.language import written
 from rehab_app.web.pages.asked import decimal
 from rehab_app.web.pages.typed import Typed
 from rehab_app.web.visit import Visit
 from sessions.catalogue import Patient
 
 NAMES = ("given_name", "family_name", "birth_date", "side", "hand_length_cm", "impairment")
-EMPTY = dict.fromkeys(NAMES, "") | {"hand_length_cm": "18.9"}
+_USUAL_CM = 18.9
 THINGS = {
     "patient's given name": "given_name",
     "patient's family name": "family_name",
@@ -50,6 +51,11 @@ class Difference:
     clash: bool
 
 
+def empty() -> dict[str, str]:
+    """The form of a new patient."""
+    return dict.fromkeys(NAMES, "") | {"hand_length_cm": written(_USUAL_CM)}
+
+
 def shown(patient: Patient) -> dict[str, str]:
     """A patient as the form shows it."""
     return {
@@ -57,7 +63,7 @@ def shown(patient: Patient) -> dict[str, str]:
         "family_name": patient.family_name,
         "birth_date": patient.birth_date,
         "side": patient.side,
-        "hand_length_cm": f"{round(100 * patient.hand_length_m, 2):g}",
+        "hand_length_cm": written(round(100 * patient.hand_length_m, 2)),
         "impairment": patient.impairment,
     }
 

@@ -9,7 +9,8 @@ from starlette.responses import Response
 
 from rehab_app.errors import Refused
 from rehab_app.web.language import _
-from rehab_app.web.pages.patient_fields import EMPTY, THINGS, Difference, merge, shown, typed_patient
+from rehab_app.web.pages.first_steps import first_steps
+from rehab_app.web.pages.patient_fields import THINGS, Difference, empty, merge, shown, typed_patient
 from rehab_app.web.pages.patient_tabs import patient_head
 from rehab_app.web.pages.patient_words import FIELDS
 from rehab_app.web.pages.typed import Typed
@@ -30,12 +31,20 @@ def patients(visit: Visit) -> Response:
         values = {"find": typed, "order": order, "archived": "yes" if archived else "", "page": ""} | changed
         return "/patients?" + urlencode({name: value for name, value in values.items() if value})
 
-    return visit.page("patients.html.j2", found=found, typed=typed, order=order, archived=archived, link=link)
+    return visit.page(
+        "patients.html.j2",
+        found=found,
+        typed=typed,
+        order=order,
+        archived=archived,
+        link=link,
+        first=first_steps(visit),
+    )
 
 
 def new_patient(visit: Visit) -> Response:
     """The form of a new patient."""
-    return visit.page("new_patient.html.j2", asked=EMPTY, problems={}, namesakes=(), words=FIELDS)
+    return visit.page("new_patient.html.j2", asked=empty(), problems={}, namesakes=(), words=FIELDS)
 
 
 def add_patient(visit: Visit) -> Response:

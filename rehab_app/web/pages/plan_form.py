@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from rehab_app.services.plan_items import PlanItem, part_named, support_named
-from rehab_app.web.language import marked
+from rehab_app.web.language import marked, written
 from rehab_app.web.pages.asked import number, whole
+from rehab_app.web.pages.recordings import catalogue_id
 from rehab_app.web.visit import Visit
 
 ITEM_FIELDS = (
@@ -49,14 +50,14 @@ def shown_item(item: PlanItem) -> dict[str, str]:
         "take": item.take,
         "part": item.part,
         "mode": item.mode,
-        "speed": f"{100.0 * item.speed:g}",
+        "speed": written(100.0 * item.speed),
         "repetitions": str(item.repetitions),
-        "minutes": f"{item.minutes:g}",
-        "hold_s": f"{item.hold_s:g}",
+        "minutes": written(item.minutes),
+        "hold_s": written(item.hold_s),
         "warm_up": str(item.warm_up),
         "support": item.support,
-        "stiffness": f"{item.stiffness_multiple:g}",
-        "resistance": f"{100.0 * item.resistance:g}",
+        "stiffness": written(item.stiffness_multiple),
+        "resistance": written(100.0 * item.resistance),
         "remark": item.remark,
         "reason": "",
     }
@@ -71,7 +72,7 @@ def item_of(visit: Visit) -> PlanItem:
     return PlanItem(
         key=whole(visit, "key", "item of the plan", 0),
         exercise=visit.asked("exercise"),
-        take=visit.asked("take"),
+        take=catalogue_id(visit.asked("take")) if visit.asked("take") else "",
         part=part_named(visit.asked("part")),
         mode=visit.asked("mode"),
         speed=number(visit, "speed", "speed", "10 to 100 %") / 100.0,

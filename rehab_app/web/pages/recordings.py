@@ -6,22 +6,30 @@ from starlette.responses import Response
 
 from rehab_app.errors import Refused
 from rehab_app.services.rows import SessionRow
+from rehab_app.web.language import spoken
 from rehab_app.web.policy import REPORT
 from rehab_app.web.visit import Visit
 from sessions.catalogue import Patient
 
+_LONGEST_ID = 64
+
 
 def sessions(visit: Visit) -> Response:
-    """All sessions, newest first."""
-    rows = visit.site.clinic.sessions.list()
-    return visit.page("sessions.html.j2", sessions=[(row, _patient(visit, row)) for row in rows])
+    """All sessions, newest first, page by page."""
+    asked = visit.request.query_params.get("page", "1")
+    number = int(asked) if asked.isascii() and asked.isdecimal() and len(asked) < 7 else 1
+    found = visit.site.clinic.sessions.page(number)
+    named = visit.site.patients
+    rows = [(row, named.get(row.patient_id) if row.patient_id else None) for row in found.rows]
+    return visit.page("sessions.html.j2", sessions=rows, found=found)
 
 
 def session(visit: Visit) -> Response:
     """One session with its replay."""
     clinic = visit.site.clinic
     row = clinic.sessions.get(catalogue_id(visit.part("recording")))
-    others = [one for one in clinic.sessions.list() if one.patient_id == row.patient_id and one.id != row.id]
+    of_patient = clinic.sessions.list(row.patient_id) if row.patient_id else ()
+    others = [one for one in of_patient if one.id != row.id]
     chosen = visit.request.query_params.get("with", "")
     return visit.page(
         "session.html.j2",
@@ -44,7 +52,7 @@ def report(visit: Visit) -> Response:
 
 def report_html(visit: Visit) -> Response:
     """The report itself: self-contained, and no script may run in it."""
-    html = visit.site.clinic.reports.html(catalogue_id(visit.part("recording")))
+    html = visit.site.clinic.reports.html(catalogue_id(visit.part("recording")), language=spoken())
     return Response(
         html,
         media_type="text/html",
@@ -66,8 +74,8 @@ def _patient(visit: Visit, row: SessionRow) -> Patient | None:
 
 def catalogue_id(named: str) -> str:
     """The catalogue id in a path. A browser never names files, so anything else is refused."""
-    if not (named.isascii() and named.isalnum()):
+    if not (named.isascii() and named.isalnum() and len(named) <= _LONGEST_ID):
         raise Refused(
-            f"recording {named!r}", "no catalogue id", "letters and digits", "choose it from the list"
+            f"recording {named[:40]!r}", "no catalogue id", "letters and digits", "choose it from the list"
         )
     return named

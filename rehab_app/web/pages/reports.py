@@ -6,6 +6,7 @@ from starlette.responses import Response
 
 from rehab_app.errors import Refused
 from rehab_app.services.reports import format_named
+from rehab_app.web.language import spoken
 from rehab_app.web.pages.recordings import catalogue_id
 from rehab_app.web.policy import REPORT
 from rehab_app.web.visit import Visit
@@ -17,7 +18,7 @@ def download(visit: Visit) -> Response:
     """The report of a take or session as a file."""
     named, wanted = catalogue_id(visit.part("recording")), visit.part("format")
     made = format_named(wanted)
-    content = visit.site.clinic.reports.download(visit.account, wanted, named)
+    content = visit.site.clinic.reports.download(visit.account, wanted, named, language=spoken())
     return _file(content, made.media_type, f"report-{named}{made.suffix}")
 
 
@@ -63,8 +64,8 @@ def _two(visit: Visit) -> tuple[str, str]:
 def _progress(visit: Visit, found: Progress, stem: str) -> Response:
     wanted = visit.part("format")
     if wanted == "html":
-        return _shown(visit.site.clinic.progress.rendered(found, "html"))
-    content = visit.site.clinic.progress.download(visit.account, found, wanted)
+        return _shown(visit.site.clinic.progress.rendered(found, "html", spoken()))
+    content = visit.site.clinic.progress.download(visit.account, found, wanted, spoken())
     suffix, media_type = PROGRESS_FORMATS[wanted]
     return _file(content, media_type, f"{stem}{suffix}")
 

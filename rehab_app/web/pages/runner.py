@@ -10,9 +10,9 @@ from starlette.responses import JSONResponse, Response
 from rehab_app.services.journal import CheckIn
 from rehab_app.services.order import EXOSKELETON, Order
 from rehab_app.services.runner_plan import Choice
-from rehab_app.web.language import _
+from rehab_app.web.language import _, written
 from rehab_app.web.pages.asked import choice, number, whole
-from rehab_app.web.visit import Visit
+from rehab_app.web.visit import Visit, wants_json
 from rehab_app.web.words import MODES, ROBOTS
 
 
@@ -86,6 +86,8 @@ def pain(visit: Visit) -> Response:
         visit.account, _score(visit, "score"), visit.asked("place"), whole(visit, "entry", "entry", 0)
     )
     said = _("Pain is noted, the movement is held.") if held else _("Pain is noted.")
+    if not wants_json(visit.request):  # a patient's screen whose scripts are off
+        return visit.go("/live" if visit.account.may("view") else "/mine", said)
     return JSONResponse({"message": said, "path": "/live", "entry": entry})
 
 
@@ -104,8 +106,8 @@ def _told(one: Choice) -> dict[str, Any]:
     dose = _("%(mode)s, %(count)s repetitions, %(minutes)s min, hold %(hold)s s") % {
         "mode": _(MODES.get(item.mode, item.mode)),
         "count": item.repetitions,
-        "minutes": f"{item.minutes:g}",
-        "hold": f"{item.hold_s:g}",
+        "minutes": written(item.minutes),
+        "hold": written(item.hold_s),
     }
     return {
         "key": one.key,

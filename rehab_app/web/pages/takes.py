@@ -39,14 +39,14 @@ def takes(visit: Visit) -> Response:
     clinic = visit.site.clinic
     rows = clinic.takes.list()
     asked = {name: visit.request.query_params.get(name, "") for name in _FILTERS}
-    patients = clinic.patients.list()
+    patients, subjects = clinic.patients.list(), {row.subject for row in rows}
     return visit.page(
         "takes.html.j2",
         takes=[(row, _mirroring(visit, row)) for row in rows if _passes(row, asked)],
         total=len(rows),
         asked=asked,
         exercises=sorted({row.exercise for row in rows} | ({asked["exercise"]} - {""})),
-        patients=[one for one in patients if any(row.subject == one.id for row in rows)],
+        patients=[one for one in patients if one.id in subjects],
     )
 
 

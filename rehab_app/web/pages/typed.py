@@ -6,7 +6,10 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import TypeVar
 
 from rehab_app.errors import Refused, RobotRefused
+from rehab_app.web.refusals import sentence_of
 from rehab_app.web.visit import Visit
+
+__all__ = ["Typed", "sentence_of"]
 
 V = TypeVar("V")
 
@@ -49,9 +52,3 @@ class Typed:
             fields: Field by the refusal's thing; what is not named stands above the form.
         """
         self.problems.setdefault(fields.get(refusal.thing, ""), sentence_of(refusal))
-
-
-def sentence_of(refusal: Refused | RobotRefused) -> str:
-    """A refusal as a sentence of its own: capital letter, full stop."""
-    text = str(refusal)
-    return text[:1].upper() + text[1:] + ("" if text.endswith(".") else ".")

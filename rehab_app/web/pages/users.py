@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 from starlette.responses import Response
 
 from rehab_app.access import ROLES
 from rehab_app.errors import Refused
 from rehab_app.web.language import _
-from rehab_app.web.pages.asked import whole
+from rehab_app.web.pages.asked import not_overtaken, whole
 from rehab_app.web.visit import Visit
 from rehab_app.web.words_access import ROLE_WORDS, ROLES_MAY
 
@@ -43,7 +42,13 @@ def change_role(visit: Visit) -> Response:
     name, accounts = visit.asked("name"), visit.site.clinic.accounts
     done = _("The role of %(name)s was changed; %(name)s signs in again.") % {"name": name}
     role, patient = visit.asked("role"), visit.asked("patient")
-    act = partial(accounts.change_role, name, role, visit.account, patient)
+
+    def act() -> None:
+        account = accounts.account(name)
+        now = f"{account.role} {accounts.own_patients.of(account)}".strip()
+        not_overtaken(visit, f"role of {name}", now, f"{role} {patient}".strip())
+        accounts.change_role(name, role, visit.account, patient)
+
     return _do(visit, f"user {name}", done, act)
 
 
@@ -69,6 +74,7 @@ def set_idle_lock(visit: Visit) -> Response:
 
     def change() -> None:
         minutes = whole(visit, "minutes", "minutes until an idle page is covered")
+        not_overtaken(visit, "idle lock", _minutes(visit), f"{minutes}")
         visit.site.clinic.accounts.set_idle_lock(minutes, visit.account)
 
     return _do(visit, "idle", _("The time was changed."), change)
@@ -82,6 +88,10 @@ def _do(visit: Visit, place: str, done: str, act: Callable[[], object]) -> Respo
         text = str(refusal)
         return _shown(visit, {place: text[:1].upper() + text[1:] + "."})
     return visit.go(PAGE, done)
+
+
+def _minutes(visit: Visit) -> str:
+    return f"{visit.site.clinic.accounts.sign_ins.idle_s() // 60}"
 
 
 def _shown(visit: Visit, problems: dict[str, str]) -> Response:
@@ -100,6 +110,6 @@ def _shown(visit: Visit, problems: dict[str, str]) -> Response:
             "role": visit.asked("role") or "therapist",
             "patient": visit.asked("patient"),
         },
-        minutes=accounts.sign_ins.idle_s() // 60,
+        minutes=_minutes(visit),
         typed_minutes=visit.asked("minutes"),
     )

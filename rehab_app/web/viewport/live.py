@@ -10,7 +10,7 @@ import numpy as np
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.live_board import HISTORY_S
 from rehab_app.services.live_target import way_of
-from rehab_app.services.snapshot import BUSY, LiveSnapshot
+from rehab_app.services.snapshot import ALONG, BUSY, LiveSnapshot
 from rehab_app.web.language import _
 from rehab_app.web.viewport import verdict
 from rehab_app.web.viewport.painter import Painter
@@ -79,7 +79,7 @@ class LiveViewport:
             self._room.therapist_trail.clear()
         self._panel.camera.visible = snapshot.state in ("countdown", "recording", "processing")
         self._panel.compare(
-            snapshot.state in ("rehearsing", "playing", "stopped", "done") and snapshot.kind == "therapy"
+            snapshot.state in ("rehearsing", "playing", "stopped", "done") and snapshot.kind in ALONG
         )
         self._state, self._seen = snapshot.state, False
 

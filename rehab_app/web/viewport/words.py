@@ -39,6 +39,7 @@ _STATES = {
     "done": ("good", marked("Done")),
     "failed": ("caution", marked("Not done")),
 }
+_COUNTED = {"range": marked("Posture"), "tone": marked("Stretch")}
 
 
 def verdict_of(snapshot: LiveSnapshot) -> Verdict:
@@ -78,7 +79,7 @@ def facts_of(snapshot: LiveSnapshot) -> tuple[tuple[str, str], ...]:
     rows = [(_("Phase"), _(phase))]
     if snapshot.repetitions:
         done = min(max(snapshot.repetition + 1, 0), snapshot.repetitions)
-        counted = _("Posture") if snapshot.kind == "range" else _("Repetition")
+        counted = _(_COUNTED.get(snapshot.kind, marked("Repetition")))
         rows.append((counted, _("%(n)s of %(m)s") % {"n": done, "m": snapshot.repetitions}))
     if snapshot.started_by and snapshot.kind == "therapy":
         rows.append((_("Started by"), _(_STARTERS.get(snapshot.started_by, snapshot.started_by))))

@@ -13,15 +13,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from rehab_app.access import CONSOLE
 from rehab_app.bootstrap import open_clinic
 from rehab_app.errors import Refused
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.order import Order
+from rehab_app.services.rows import PreparedPlan
 from rehab_app.services.snapshot import LiveSnapshot
+from rehab_app.services.therapy import Therapy
 from rehab_app.web import create_app
 from rehab_app.web.server import ShellServer, ahead_of_others, listen
 from rehab_app.web.visit import COOKIE
+from robot_iface.types import Certificate
 
 NAME = "therapist"
 _BROWSERS = Path(__file__).parents[1] / "slow_browsers.py"
@@ -117,6 +122,25 @@ class Served:
             process.stdin.write("\n")
             process.stdin.flush()
             figures += json.loads(process.stdout.read())
+
+
+@contextmanager
+def rehearsed_once() -> Generator[None]:
+    """Sessions of one plan share its certificate, which the motion process checks before each of them.
+
+    A rehearsal is a dry run of the whole session: a hundred take most of an hour, and are no part of a stop.
+    """
+    known: dict[str, Certificate] = {}
+    rehearse = Therapy.rehearse
+
+    def once(therapy: Therapy, prepared: PreparedPlan, **given: Any) -> Certificate:
+        if prepared.binding not in known:
+            known[prepared.binding] = rehearse(therapy, prepared, **given)
+        return known[prepared.binding]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Therapy, "rehearse", once)
+        yield
 
 
 @contextmanager

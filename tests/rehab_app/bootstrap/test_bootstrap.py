@@ -3,11 +3,15 @@ from __future__ import annotations
 import os
 import socket
 import stat
+from dataclasses import fields
+from functools import cached_property
 
 import pytest
 
 from rehab_app.bootstrap import check_port, open_clinic
 from rehab_app.errors import Refused
+from rehab_app.services.clinic import Clinic
+from rehab_app.services.wiring import Wiring
 
 
 def test_opening_makes_a_private_folder_and_is_repeatable(tmp_path):
@@ -42,3 +46,10 @@ def test_a_port_in_use_is_refused_and_a_free_one_is_not():
 def test_an_address_of_another_machine_is_refused():
     with pytest.raises(Refused, match="not usable"):
         check_port("192.0.2.1", 8080)
+
+
+def test_every_service_of_a_clinic_is_wired_under_its_name():
+    given = {"folder", "catalogue", "version", "settings", "audit", "lease", "closing"}
+    services = {one.name for one in fields(Clinic)} - given
+    wired = {name for name in services if isinstance(getattr(Wiring, name, None), cached_property)}
+    assert wired == services

@@ -149,9 +149,9 @@ def test_patients_and_users_from_the_command_line(tmp_path):
     listed = json.loads(run("patient", "list", "--json", data=tmp_path).stdout)
     assert [row["id"] for row in listed["patients"]] == [added["id"]]
     made = run("user", "add", "anna", "--json", data=tmp_path, text="correct horse battery\n")
-    assert json.loads(made.stdout) == {"name": "anna", "role": "therapist"}
+    assert json.loads(made.stdout) == {"name": "anna", "role": "therapist", "patient": ""}
     assert json.loads(run("user", "list", "--json", data=tmp_path).stdout)["users"] == [
-        {"name": "anna", "role": "therapist"}
+        {"name": "anna", "role": "therapist", "patient": ""}
     ]
     short = run("user", "add", "bert", "--json", data=tmp_path, text="short\n")
     assert short.exit_code == 1

@@ -128,7 +128,7 @@ def test_a_measurement_never_widens_what_ships_for_the_present_record(room):
 def test_tomorrow_another_wrist_or_another_hand_is_refused_with_the_remedy(room):
     room.measure()
     room.today(WRIST + np.deg2rad(9.0))
-    with pytest.raises(Refused, match="--wrist-deg 20"):
+    with pytest.raises(Refused, match="20 degrees, at which"):
         room.today(WRIST + np.deg2rad(11.0))
     room.catalogue.change_patient(replace(room.patient, side="right"))
     room.patient = room.catalogue.patient("P-0001")

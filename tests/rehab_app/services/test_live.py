@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -273,3 +274,19 @@ def test_a_robot_that_nobody_wears_is_drawn_by_its_own_joints(clinic, take):
     assert not shown.worn
     assert shown.patient_joints_rad.shape == (21,)
     desk.press_stop("end of test")
+
+
+def test_who_clears_at_once_waits_for_the_seal_and_a_second_stop_stays(clinic, take, monkeypatch):
+    desk = clinic.live
+    desk.start_therapy(CONSOLE, None, take, Order(speed=1.0, repetitions=5))
+    until(desk, moving)
+    desk.press_stop("key")
+    desk.clear_stop(CONSOLE, confirmed=True)
+    assert desk.snapshot().state == "idle"
+    assert len(clinic.sessions.list()) == 1
+    desk.press_stop("key")
+    slow = SimpleNamespace(join=lambda _s: desk.press_stop("button"), is_alive=lambda: False)
+    monkeypatch.setattr(desk, "_thread", slow)
+    with pytest.raises(Refused, match="pressed anew"):
+        desk.clear_stop(CONSOLE, confirmed=True)
+    assert desk.snapshot().stop_source == "button"

@@ -37,7 +37,7 @@ def joint(alone, led, at_end=False):
 def test_it_says_what_to_do_before_anything_was_assessed(browser, patient):
     page = browser("therapist").get(f"/patients/{patient}/assessments").text
     assert "No range was assessed yet" in page
-    assert "--kind tone" in page
+    assert f"/live?patient={patient}#assess" in page
 
 
 def test_results_stand_with_the_first_beside_the_last(browser, clinic, patient):

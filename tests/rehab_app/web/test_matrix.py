@@ -42,6 +42,8 @@ TABLE = {
     "manage_users": """
         GET /clinic/users; POST /clinic/users; POST /clinic/users/role; POST /clinic/users/password
         POST /clinic/users/close; POST /clinic/users/idle
+        GET /clinic/settings; POST /clinic/settings/name; POST /clinic/settings/language
+        POST /clinic/settings/idle; POST /clinic/settings/retention; POST /clinic/settings/aim
     """,
     "audit": "GET /clinic/audit; GET /clinic/audit.csv",
     "view": """
@@ -61,6 +63,7 @@ TABLE = {
         GET /takes/{recording}/report.{format}; GET /sessions; GET /sessions/{recording}
         GET /sessions/{recording}/report; GET /sessions/{recording}/report.html
         GET /sessions/{recording}/report.json; GET /sessions/{recording}/report.{format}
+        GET /clinic/stations
         GET /clinic/devices; GET /clinic/calibration; GET /clinic/calibration/board.{kind}; GET /help
     """,
     "note": """
@@ -76,9 +79,9 @@ TABLE = {
         GET /takes/{recording}/names; POST /takes/{recording}/names; GET /takes/{recording}/first.jpg
     """,
     "play": """
-        POST /live/play; POST /live/measure; POST /live/fit; POST /live/resume; POST /live/reverse
-        POST /live/next; POST /live/target; POST /live/operate; POST /live/session/begin
-        POST /live/session/step; POST /live/session/start
+        POST /live/play; POST /live/measure; POST /live/fit; POST /live/tone; POST /live/tracking
+        POST /live/resume; POST /live/reverse; POST /live/next; POST /live/target; POST /live/operate
+        POST /live/session/begin; POST /live/session/step; POST /live/session/start
     """,
     "approve": "POST /takes/{recording}/approve",
     "prescribe": """

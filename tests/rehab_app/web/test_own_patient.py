@@ -12,6 +12,7 @@ from rehab_app.errors import Refused
 from rehab_app.web import create_app
 
 from .conftest import PASSWORD, Browser, NoPictures
+from .test_matrix import VERBS, path_of
 
 NAMES = ("Rosalba", "Fiorenzo")
 
@@ -136,3 +137,51 @@ def test_erasing_forgets_the_tie_and_brings_no_older_one_back(tmp_path):
         with clinic.catalogue._reading() as session:
             rows = session.connection().exec_driver_sql("SELECT content FROM settings WHERE key LIKE 'own-%'")
             assert not any("P-0002" in content for (content,) in rows)
+
+
+def test_archiving_ends_the_tie_and_nobody_is_tied_to_the_archived(tmp_path):
+    with open_clinic(tmp_path) as clinic:
+        for name in NAMES:
+            clinic.patients.add(CONSOLE, given_name=name, family_name="R", birth_date="", side="left")
+        clinic.accounts.set_up("ada", PASSWORD)
+        bed = clinic.accounts.add_user("bed", "patient", PASSWORD, CONSOLE, "P-0001")
+        other = clinic.accounts.add_user("other", "patient", PASSWORD, CONSOLE, "P-0002")
+        clinic.patients.archive(clinic.accounts.account("ada"), "P-0001")
+        assert clinic.accounts.own_patients.of(bed) == ""
+        assert clinic.accounts.own_patients.of(other) == "P-0002"
+        with pytest.raises(Refused, match="archived"):
+            clinic.accounts.change_role("bed", "patient", CONSOLE, "P-0001")
+        clinic.patients.unarchive(CONSOLE, "P-0001")
+        assert clinic.accounts.own_patients.of(bed) == ""
+        rows = [(row.actor, row.verb, row.subject) for row in clinic.catalogue.audit()]
+        assert ("ada", "untie screen", "P-0001") in rows
+
+
+READS = sorted(line for line in VERBS if line.startswith("GET ") and line != "GET /kept")
+
+
+@pytest.mark.parametrize("line", READS)
+def test_a_patients_account_reads_of_no_patient(own, line):
+    """With real numbers in the paths: pages of the own patient are for who treats, too."""
+    own.accounts.change_role("patient", "patient", CONSOLE, "P-0002")
+    screen = visitor(own, "patient")
+    for patient in ("P-0001", "P-0002"):
+        path = path_of(line).replace("P-9999", patient).replace("0" * 8, own.takes.list()[0].id)
+        answer = screen.get(path)
+        assert answer.status_code == (200 if VERBS[line] == "stop" else 403)
+        assert not any(name in answer.text for name in ("Rossi", "Rosalba", "1950"))
+
+
+@pytest.mark.parametrize(
+    "path", ["/live/view/", "/review/{take}/view/", "/live", "/live/takes", "/live/limits"]
+)
+def test_the_live_picture_is_not_for_a_patients_account(own, path):
+    own.accounts.change_role("patient", "patient", CONSOLE, "P-0001")
+    answer = visitor(own, "patient").get(path.format(take=own.takes.list()[0].id))
+    assert answer.status_code == 403
+
+
+def test_the_pain_button_of_the_screen_works_without_scripts(own):
+    own.accounts.change_role("patient", "patient", CONSOLE, "P-0001")
+    answer = visitor(own, "patient").post("/live/pain")
+    assert (answer.status_code, answer.headers["location"]) == (303, "/mine")

@@ -436,6 +436,6 @@ def test_limits_say_whether_they_were_measured_today_and_what_was_before(browser
     told = text_of(visitor.get(f"{at}/limits"))
     assert "Measured today" in told
     assert "wrist at 20 degrees" in told
-    assert "index pip Torque 0.05 Nm <img" in told
+    assert "Index PIP Torque 0.05 Nm <img" in told
     assert ATTACK not in visitor.get(f"{at}/limits").text
     assert "measured today by bert" in text_of(visitor.get(at))

@@ -79,5 +79,5 @@ def test_consent_is_noted_with_its_author(browser, clinic, patient):
     (stated, *_) = clinic.privacy.consents.history(patient)
     assert (stated.by, stated.consent.given, stated.consent.remark) == ("assistant", True, "form")
     assert "form" in page.get(f"/patients/{patient}/data").text
-    assert page.post(f"/patients/{patient}/data/consent").status_code == 303
+    assert page.post(f"/patients/{patient}/data/consent").status_code == 409
     assert browser("auditor").post(f"/patients/{patient}/data/consent", given="no").status_code == 403

@@ -135,3 +135,15 @@ def test_the_aim_is_set_within_bounds(browser, clinic, treated, percent, kept):
     clinic.proposals.set_target(CONSOLE, 0.7)
     browser("therapist").post(f"/patients/{patient}/aim", percent=percent)
     assert clinic.proposals.target() == pytest.approx(kept)
+
+
+def test_a_report_is_in_the_language_of_the_page(browser, take, treated):
+    patient, _ = treated
+    visitor = browser("therapist")
+    visitor.cookies.set("rehab_language", "it", domain="localhost.local", path="/")
+    page = visitor.get(f"/takes/{take}/report.html").text
+    assert '<html lang="it">' in page
+    assert "Movimento registrato" in page
+    assert visitor.get(f"/takes/{take}/report.note").text.startswith("Movimento registrato")
+    assert "Ha fatto 2 sedute" in visitor.get(f"/patients/{patient}/progress.html").text
+    assert '"Movimento' not in visitor.get(f"/takes/{take}/report.json").text

@@ -69,6 +69,12 @@ def test_dose() -> None:
     phase = np.array(["ramp", "move", "hold", "rest"])
     assert time_in(t, phase, ("move", "hold")).value == pytest.approx(3.0)
     assert time_in(t[:1], phase[:1], ("move",)).reason
+    late = np.where(t > 2.0, t + 3600.0, t)
+    seen = np.linspace(0.0, 4.0, 401)
+    jumped = np.where(seen > 2.0, seen + 3600.0, seen)
+    assert time_in(late, phase, ("move", "hold"), jumped).value == pytest.approx(3.0, abs=0.02)
+    slow = np.array([0.0, 1.0, 31.0, 32.0])
+    assert time_in(slow, phase, ("move", "hold"), np.linspace(0.0, 32.0, 3201)).value == pytest.approx(31.0)
     assert dose_completed(3, '{"repetitions": 4}').value == 0.75
     for silent in ("", "[]", "{", '{"repetitions": 0}', '{"repetitions": true}', '{"repetitions": "4"}'):
         assert prescribed_repetitions(silent) is None

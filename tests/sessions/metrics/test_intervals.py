@@ -14,7 +14,7 @@ Make = Callable[..., Any]
 
 def test_intervals_hold_the_truth_on_a_seed_that_tuned_nothing(tmp_path: Path) -> None:
     counts = covered(tmp_path, ("open_close",), (109,))
-    held, number = (sum(row[column] for row in counts.values()) for column in (0, 1))
+    held, number = (sum(getattr(row, name) for row in counts.values()) for name in ("held", "number"))
     assert number > 60
     assert held / number >= 0.85
 

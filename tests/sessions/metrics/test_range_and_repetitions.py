@@ -81,6 +81,19 @@ def test_repetitions_are_counted(count: int, period_s: float, amplitude: float) 
         assert found.rate_hz == pytest.approx(1 / period_s, rel=0.02)
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-4, 5e-3])
+def test_a_held_hand_is_counted_once_and_at_the_middle_of_the_hold(noise: float) -> None:
+    t = np.arange(0.0, 24.0, 1 / RATE)
+    phase = (t % 4.0) / 4.0
+    tau = np.clip(np.where(phase < 0.5, phase, phase - 0.5) / 0.35, 0.0, 1.0)
+    rise_and_hold = 10 * tau**3 - 15 * tau**4 + 6 * tau**5
+    held = np.where(phase < 0.5, rise_and_hold, 1.0 - rise_and_hold)
+    found = cycles(t, held + np.random.default_rng(1).normal(0.0, 1.0, t.size) * noise)
+    assert found.count == 6
+    assert found.rate_hz == pytest.approx(0.25, rel=2e-3)
+    assert len(found.strokes_s) == 12
+
+
 def test_tremor_is_no_repetition_and_a_gap_is_not_bridged() -> None:
     t = np.arange(600) / RATE
     assert cycles(t, np.deg2rad(3.0) * np.sin(2 * np.pi * 5 * t)).count == 0

@@ -63,6 +63,28 @@ def test_where_the_curve_ends_nothing_is_separated() -> None:
     assert passive_curve(0.01 * ANGLE, SPEED, LIMB) is None
 
 
+@pytest.mark.parametrize(
+    ("rows", "why"),
+    [
+        (slice(700, 703), "three samples"),
+        (slice(600, 690), "less than 1 s"),
+        (slice(0, 1400), "only one way"),
+    ],
+)
+def test_a_curve_from_too_little_is_no_curve(rows: slice, why: str) -> None:
+    assert passive_curve(ANGLE[rows], SPEED[rows], LIMB[rows]) is None, why
+    assert passive_curve(ANGLE, SPEED, LIMB) is not None
+
+
+def test_a_joint_hardly_met_passively_separates_nothing(make_session: Make) -> None:
+    session, passive = make_session(), make_session()
+    session.topics[PHASE.name]["mode"][:] = "assistive"
+    state = passive.topics[ROBOT_STATE.name]
+    state["tau_interaction_nm"][40:] = math.nan
+    assert not read_passive(passive).curves
+    assert "not separable" in own(session, passive)["work_share"].status
+
+
 def own(session: Any, passive: Any = None) -> dict[str, Metric]:
     origin = Origin(session.sha256, "exoskeleton")
     run = None if passive is None else read_passive(passive)

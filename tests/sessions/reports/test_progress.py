@@ -160,7 +160,7 @@ def test_every_format_says_the_same_and_names_its_source() -> None:
     assert rom["verdict"] == "real"
     assert math.degrees(rom["difference"]) == pytest.approx(9.0)
     assert made["pdf"].startswith(b"%PDF")
-    assert "index_pip +9°" in made["note"].decode()
+    assert "Index PIP +9°" in made["note"].decode()
     assert made["csv"].decode().count("\r\n") == 1 + sum(len(one.numbers) for one in found.pasts)
     assert made == {name: render_progress(found, name) for name in PROGRESS_FORMATS}
 

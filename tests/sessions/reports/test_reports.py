@@ -148,7 +148,7 @@ def test_words_from_a_file_cannot_become_markup(make_session: Make) -> None:
 def test_a_take_page(make_take: Make) -> None:
     words = Words(render_html(report(make_take()))).all
     assert "lasts 10.0 s and shows 3 full repetitions" in words
-    assert "The least seen marker (thumb cmc) was seen in 95 % of the frames." in words
+    assert "The least seen marker (Thumb CMC) was seen in 95 % of the frames." in words
     assert "Fit residual (mm) 1.2" in words
     assert "therapist" not in words.lower().replace("against the therapist", "")
 
