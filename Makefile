@@ -40,7 +40,6 @@ fuzz: $(DEV_STAMP)
 durability: $(DEV_STAMP)
 	$(BIN)/python -m tests.bench.durability.kills --kills 1000
 	$(BIN)/python -m tests.bench.durability.acts --kills 100
-	$(BIN)/python -m tests.bench.durability.full_disk --times 100
 	$(BIN)/python -m tests.bench.durability.full_disk --times 300
 
 # Eight hours of clinic, most of an hour on the wall.

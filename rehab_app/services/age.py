@@ -12,6 +12,15 @@ class Unreadable(Exception):
     """What was to be decrypted is damaged, cut, or locked with something else."""
 
 
+class TooMuchWork(Unreadable):
+    """The passphrase was locked with more work than this machine can do in a reasonable time now."""
+
+
+_TRIES = 4
+_WORK = "excessive work"
+"""How age begins that refusal: it times the machine at every try, and a busy one seems slow."""
+
+
 def new_identity() -> tuple[str, str]:
     """A new key pair as age writes it: the secret half and the public half."""
     identity: Any = _age.x25519.Identity.generate()
@@ -52,10 +61,16 @@ def unlock(locked: bytes, passphrase: str) -> str:
     """The text behind a passphrase.
 
     Raises:
+        TooMuchWork: The machine is too busy, or far slower than the one that locked it.
         Unreadable: The passphrase is wrong or the content is damaged.
     """
-    try:
-        text: bytes = _age.passphrase.decrypt(locked, passphrase)
-        return text.decode("ascii")
-    except (_age.DecryptError, OSError, UnicodeDecodeError) as error:
-        raise Unreadable(str(error)) from error
+    refused = ""
+    for _ in range(_TRIES):
+        try:
+            text: bytes = _age.passphrase.decrypt(locked, passphrase)
+            return text.decode("ascii")
+        except (_age.DecryptError, OSError, UnicodeDecodeError) as error:
+            refused = str(error)
+            if _WORK not in refused.lower():
+                raise Unreadable(refused) from error
+    raise TooMuchWork(refused)

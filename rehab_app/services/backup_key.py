@@ -52,10 +52,17 @@ def unlock(locked: bytes, passphrase: str) -> str:
         passphrase: What locks it.
 
     Raises:
-        Refused: The passphrase is wrong or the key is damaged.
+        Refused: The passphrase is wrong or the key is damaged, or the machine is too busy to try it.
     """
     try:
         return age.unlock(locked, passphrase[: LONGEST + 1])
+    except age.TooMuchWork:
+        raise Refused(
+            "backup passphrase",
+            "locked with more work than this machine can do now",
+            "at most sixteen times what it seems able to do in a second",
+            "try again when nothing else runs on it, or on a faster machine",
+        ) from None
     except age.Unreadable:
         raise Refused(
             "backup passphrase",
