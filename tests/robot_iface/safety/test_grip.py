@@ -67,6 +67,11 @@ def test_what_the_law_would_give_is_its_spring_and_its_damper_at_this_place_and_
         assert begun(rigid, command).update(state) * 5.0 == pytest.approx(allowed)
 
 
+def test_the_share_ahead_of_the_law_is_small() -> None:
+    """More would load the hand more than the law does; less would let it become faster."""
+    assert 1.0 <= AHEAD_SHARE <= 1.05
+
+
 def test_a_law_that_pushes_with_the_motion_allows_the_least_only(rigid: Any) -> None:
     limit = rigid.Rig().limits.tau_interaction_nm
     state = reading(rigid, q_rad=0.8, dq_rad_s=3.0)
