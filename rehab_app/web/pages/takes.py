@@ -17,6 +17,7 @@ from rehab_app.web.visit import Visit
 from sessions.catalogue import Patient
 
 _FILTERS = ("exercise", "side", "approval", "patient")
+_ON_A_PAGE = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,18 +36,21 @@ class Mirroring:
 
 
 def takes(visit: Visit) -> Response:
-    """Takes, newest first, those that the filters let through."""
+    """Takes, the newest first, those that the filters let through; the filters narrow what is too many."""
     clinic = visit.site.clinic
     rows = clinic.takes.list()
     asked = {name: visit.request.query_params.get(name, "") for name in _FILTERS}
-    patients, subjects = clinic.patients.list(), {row.subject for row in rows}
+    subjects = {row.subject for row in rows}
+    patients = {one.id: one for one in clinic.patients.list() if one.id in subjects}
+    found = [row for row in rows if _passes(row, asked)]
     return visit.page(
         "takes.html.j2",
-        takes=[(row, _mirroring(visit, row)) for row in rows if _passes(row, asked)],
+        takes=[(row, _mirrored(patients.get(row.subject), row)) for row in found[:_ON_A_PAGE]],
+        found=len(found),
         total=len(rows),
         asked=asked,
         exercises=sorted({row.exercise for row in rows} | ({asked["exercise"]} - {""})),
-        patients=[one for one in patients if one.id in subjects],
+        patients=patients.values(),
     )
 
 
@@ -155,4 +159,8 @@ def _mirroring(visit: Visit, row: TakeRow) -> Mirroring | None:
         patient = visit.site.patients.get(row.subject)
     except Refused:
         return None
-    return Mirroring(patient, patient.side, patient.side != row.side)
+    return _mirrored(patient, row)
+
+
+def _mirrored(patient: Patient | None, row: TakeRow) -> Mirroring | None:
+    return None if patient is None else Mirroring(patient, patient.side, patient.side != row.side)
