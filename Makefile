@@ -13,9 +13,10 @@ WORKERS ?= 2
 demo: $(STAMP)
 	@$(BIN)/rehab-app demo --serve
 
+# A test that hangs is ended with where it hung: half a build in silence helps nobody.
 test: $(DEV_STAMP) tools check
-	$(PYTEST) -n $(WORKERS) --dist loadfile -m "not bench and not browser" tests
-	$(PYTEST) -m browser tests/browser
+	$(PYTEST) -n $(WORKERS) --dist loadfile --timeout 600 -m "not bench and not browser" tests
+	$(PYTEST) --timeout 900 -m browser tests/browser
 
 check: $(DEV_STAMP)
 	$(BIN)/ruff check .
