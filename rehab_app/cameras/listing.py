@@ -7,13 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from rehab_app.cameras import freenect_library, openni_library, realsense
+from rehab_app.cameras import drivers
 from rehab_app.cameras.lease import CameraLease
 from rehab_app.cameras.webcam import webcam_indices
-from sessions.errors import Refused
 
 State = Literal["ready", "busy", "unavailable"]
 VIRTUAL = "virtual"
+_KINDS = {
+    "realsense": "Intel RealSense",
+    "kinect": "Kinect (first generation)",
+    "openni": "OpenNI camera (Xtion, PrimeSense)",
+}
 _NO_WEBCAMS = ("RealSense", "Kinect")  # the system lists their colour streams as webcams, too
 
 
@@ -43,41 +47,16 @@ def list_cameras() -> tuple[CameraListing, ...]:
     """
     return (
         CameraListing(VIRTUAL, "Virtual camera", "ready", True),
-        *_realsense(),
-        *_kinects(),
-        *_openni(),
+        *(one for found in drivers.look_apart() for one in _depth_cameras(found)),
         *_webcams(),
     )
 
 
-def _realsense() -> Iterator[CameraListing]:
-    try:
-        found = realsense.serials()
-    except Refused as refusal:
-        yield _unavailable("realsense", "Intel RealSense", refusal)
-        return
-    for serial, model in found:
-        yield _listed(f"realsense:{serial}", model or "Intel RealSense", has_depth=True)
-
-
-def _kinects() -> Iterator[CameraListing]:
-    try:
-        count = freenect_library.count(freenect_library.load())
-    except Refused as refusal:
-        yield _unavailable("kinect", "Kinect (first generation)", refusal)
-        return
-    for index in range(count):
-        yield _listed(f"kinect:{index}", f"Kinect {index + 1} (first generation)", has_depth=True)
-
-
-def _openni() -> Iterator[CameraListing]:
-    try:
-        found = openni_library.uris()
-    except Refused as refusal:
-        yield _unavailable("openni", "OpenNI camera (Xtion, PrimeSense)", refusal)
-        return
-    for index, uri in enumerate(found):
-        yield _listed(f"openni:{index}", f"OpenNI camera at {uri}", has_depth=True)
+def _depth_cameras(found: drivers.Found) -> Iterator[CameraListing]:
+    if found.remedy:
+        yield CameraListing(found.kind, _KINDS[found.kind], "unavailable", True, found.remedy)
+    for name, label in found.cameras:
+        yield _listed(name, label, has_depth=True)
 
 
 def _webcams() -> Iterator[CameraListing]:
@@ -94,8 +73,3 @@ def _listed(camera: str, label: str, *, has_depth: bool) -> CameraListing:
         remedy = "End the other recording first."
         return CameraListing(camera, label, "busy", has_depth, remedy)
     return CameraListing(camera, label, "ready", has_depth)
-
-
-def _unavailable(kind: str, label: str, refusal: Refused) -> CameraListing:
-    remedy = f"{refusal.remedy[:1].upper()}{refusal.remedy[1:]}."
-    return CameraListing(kind, label, "unavailable", True, remedy)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +19,7 @@ from rehab_app.cameras import (
     Reconnecting,
     VideoCamera,
     VirtualCamera,
+    drivers,
     freenect_library,
     list_cameras,
     listing,
@@ -35,6 +37,8 @@ from rehab_app.cameras.webcam import Webcam, webcam_indices
 from rehab_app.geometry.pinhole import Intrinsics
 from sessions.errors import Refused
 
+DEPTH_CAMERAS = ("realsense", "kinect", "openni")
+
 
 @pytest.fixture
 def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -51,6 +55,7 @@ def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         raise missing_extra("OpenNI camera", "openni")
 
     monkeypatch.setattr(openni_library, "uris", absent)
+    monkeypatch.setattr(drivers, "look_apart", lambda: [drivers.look(kind) for kind in DEPTH_CAMERAS])
     return tmp_path
 
 
@@ -75,6 +80,25 @@ def test_every_kind_is_listed_with_its_state(machine: Path) -> None:
     assert found["openni"].remedy == "Run pip install 'rehab-app[openni]'."
     assert not found["webcam:0"].has_depth
     assert webcam_indices() == (0, 2, 10)
+
+
+def test_a_library_that_brings_its_process_down_is_a_sentence_and_the_others_are_still_told() -> None:
+    row = '{"kind": "realsense", "cameras": [["realsense:0042", "D435"]], "remedy": ""}'
+    crash = f"import os; print('noise'); print({row!r}, flush=True); os.abort()"
+    hang = f"import time; print({row!r}, flush=True); time.sleep(60)"
+    for program, patience_s in ((crash, 20.0), (hang, 2.0)):
+        there, *failed = drivers.look_apart((sys.executable, "-c", program), patience_s)
+        assert there == drivers.Found("realsense", (("realsense:0042", "D435"),))
+        assert [one.kind for one in failed] == ["kinect", "openni"]
+        assert all("plug it in again" in one.remedy for one in failed)
+
+
+def test_this_machines_libraries_answer_from_their_own_process() -> None:
+    before = set(Path("/proc/self/task").iterdir())
+    found = drivers.look_apart()
+    assert [one.kind for one in found] == list(DEPTH_CAMERAS)
+    assert not [one for one in found if "fails" in one.remedy]
+    assert set(Path("/proc/self/task").iterdir()) <= before
 
 
 @pytest.mark.parametrize(("opened", "listed"), [("kinect", "kinect:0"), ("realsense", "realsense:0042")])
