@@ -13,9 +13,9 @@ WORKERS ?= 2
 demo: $(STAMP)
 	@$(BIN)/rehab-app demo --serve
 
-# A test that hangs is ended with where it hung: half a build in silence helps nobody.
+# A test that hangs is ended with where it hung, and a worker that dies ends the run: xdist would wait for ever.
 test: $(DEV_STAMP) tools check
-	$(PYTEST) -n $(WORKERS) --dist loadfile --timeout 600 -m "not bench and not browser" tests
+	$(PYTEST) -n $(WORKERS) --dist loadfile --max-worker-restart 0 --timeout 600 -m "not bench and not browser" tests
 	$(PYTEST) --timeout 900 -m browser tests/browser
 
 check: $(DEV_STAMP)
