@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +15,8 @@ from sessions.metrics.motion_range import joint_range, total_active_motion
 from sessions.metrics.norms import NORM_WORDS, active_motion_share, norm_of, share_of
 from sessions.metrics.recording import Origin, digit_with_all_joints, seconds
 from sessions.metrics.repetitions import Cycles, cycles, main_movement
-from sessions.metrics.strokes import StrokeValues, over_strokes, smoothness_floor, stroke_values
+from sessions.metrics.stroke_noise import noise_reach, smoothness_floor
+from sessions.metrics.strokes import StrokeValues, over_strokes, stroke_values
 from sessions.records import DIGITS, FINGERS, JOINTS, Status, Topic
 from sessions.records.fields import Float64, Int64, UInt8
 
@@ -26,6 +26,7 @@ FLOOR_SEED = 2015
 FEWEST_BENDS = 20
 ESTIMATED = "estimated from other joints, not measured"
 EFFORT = "the take need not show full effort"
+NOISE_UNKNOWN = "the interval knows nothing of the measurement's noise, which is not stated"
 ARM = "reliability is known for reaching arms, not for fingers"
 
 
@@ -148,13 +149,16 @@ def stroke_metrics(motion: HandMotion, strokes_s: Float64, origin: Origin) -> li
     t_s, tips = seconds(motion.t_ns), motion.usable_tips()
     rng = np.random.default_rng(FLOOR_SEED)
     for column, digit in enumerate(DIGITS):
-        values = stroke_values(t_s, tips[:, column], strokes_s)
+        noise_m = _noise_m(motion.fingertip_std_m[:, column], tips[:, column])
+        values = stroke_values(t_s, tips[:, column], strokes_s, noise_m)
         lineage = origin.lineage((motion.topic,), motion.t_ns, _filter_of(values))
-        flag = motion.tip_flag(column)
-        for name, read, remark in _STROKE_ROWS:
-            estimate = over_strokes([read(item) for item in values])
-            found.append(metric(name, digit, estimate, lineage, "; ".join(filter(None, (flag, remark)))))
-        floors = smoothness_floor(values, _noise_m(motion.fingertip_std_m[:, column], tips[:, column]), rng)
+        reach = noise_reach(values, noise_m, rng)
+        noise_said = "" if math.isfinite(noise_m) else NOISE_UNKNOWN
+        for name, remark in _STROKE_ROWS:
+            estimate = over_strokes([getattr(item, name) for item in values], reach[name])
+            said = "; ".join(filter(None, (motion.tip_flag(column), noise_said, remark)))
+            found.append(metric(name, digit, estimate, lineage, said))
+        floors = smoothness_floor(values, noise_m, rng)
         for name, floor in zip(("sparc_floor", "ldlj_floor"), floors, strict=True):
             found.append(metric(name, digit, floor, lineage))
     return found
@@ -188,13 +192,7 @@ def active_motion_metrics(motion: HandMotion, origin: Origin, refusal: str = "")
     return found
 
 
-_STROKE_ROWS: tuple[tuple[str, Callable[[StrokeValues], Estimate], str], ...] = (
-    ("sparc", lambda item: item.sparc, ARM),
-    ("ldlj", lambda item: item.ldlj, ARM),
-    ("movement_time", lambda item: item.movement_time, ""),
-    ("peak_speed", lambda item: item.peak_speed, ""),
-    ("path_ratio", lambda item: item.path_ratio, ""),
-)
+_STROKE_ROWS = (("sparc", ARM), ("ldlj", ARM), ("movement_time", ""), ("peak_speed", ""), ("path_ratio", ""))
 
 
 def _filter_of(values: list[StrokeValues]) -> str:

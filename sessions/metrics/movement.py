@@ -13,11 +13,16 @@ CLOSED_SHARE = 0.05
 """A path whose ends lie nearer than this share of its length is closed: the ratio says nothing."""
 
 
-def active_rows(speed: Float64) -> slice:
-    """From onset to offset: first to last row above a twentieth of the peak, of a profile (N,)."""
-    if not speed.size or not float(speed.max()) > 0:
+def active_rows(speed: Float64, still: float = 0.0) -> slice:
+    """From onset to offset: first to last row above a twentieth of the peak and above what counts as still.
+
+    Args:
+        speed: Profile, shape (N,).
+        still: Speed that noise alone may reach, in the profile's unit; nothing moves at or below it.
+    """
+    if not speed.size or not float(speed.max()) > still:
         return slice(0, 0)
-    above = np.flatnonzero(speed > ONSET_SHARE * float(speed.max()))
+    above = np.flatnonzero(speed > max(ONSET_SHARE * float(speed.max()), still))
     return slice(int(above[0]), int(above[-1]) + 1)
 
 

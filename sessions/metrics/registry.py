@@ -161,13 +161,15 @@ _ROWS = (
 )
 
 VERSIONS: Mapping[str, str] = {
-    "sparc_floor": "2",
-    "ldlj_floor": "3",
+    "sparc_floor": "3",
+    "ldlj": "3",
+    "ldlj_floor": "4",
     "robot_share": "4",
     "repetitions": "2",
     "repetition_rate": "2",
     "dose_time": "2",
-    **dict.fromkeys(("ldlj", "joint_rmse", "robot_work", "returned_work", "stiffness"), "2"),
+    **dict.fromkeys(("joint_rmse", "robot_work", "returned_work", "stiffness"), "2"),
+    **dict.fromkeys(("sparc", "movement_time", "peak_speed", "path_ratio"), "2"),
     **dict.fromkeys(("aperture", "span"), "3"),
     **dict.fromkeys(("finger_spread", "finger_to_palm", "angle_min"), "2"),
     **dict.fromkeys(("total_active_motion", "active_motion_share"), "2"),

@@ -44,7 +44,7 @@ def measure_take(recording: Recording) -> Summary:
             "fit the hand first, with rehab-app track or rehab-app import",
         )
     rows = recording.columns(HAND_POSE)
-    motion, residual = _motion(rows), np.asarray(rows["residual_m"], dtype=np.float64)
+    motion, residual = hand_motion(rows), np.asarray(rows["residual_m"], dtype=np.float64)
     origin = Origin(recording.sha256, header.source)
     cycles = main_cycles(motion)
     numbers = [
@@ -88,7 +88,8 @@ def _rate_interval(found: Cycles, motion: HandMotion) -> tuple[float, float]:
     return (max(0.0, found.rate_hz * (1.0 - relative)), found.rate_hz * (1.0 + relative))
 
 
-def _motion(rows: Any) -> HandMotion:
+def hand_motion(rows: Any) -> HandMotion:
+    """The hand of the rows of /hand/pose."""
     joint_variance = np.diagonal(
         np.asarray(rows["joint_covariance_rad2"], dtype=np.float64), axis1=1, axis2=2
     )

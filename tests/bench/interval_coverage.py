@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from rehab_app.cameras import virtual_camera
 from rehab_app.hand.protocol import load_protocol
@@ -13,7 +15,11 @@ from rehab_app.services.recording_request import PROTOCOL, RecordingRequest
 from rehab_app.services.take_sources import CYCLE_S, Listeners, record_take
 from robot_iface.kinematics import forward
 from sessions.metrics import Metric, Summary, measure, measure_file
+from sessions.metrics.hand_motion import main_cycles, stroke_metrics
 from sessions.metrics.honest import SHARES
+from sessions.metrics.recording import Origin
+from sessions.metrics.stroke_noise import NOISE_TAILS
+from sessions.metrics.take import hand_motion
 from sessions.records import DIGITS, LANDMARKS, SessionHeader, Topic
 from sessions.records.topics import HAND_POSE
 from sessions.store import SessionReader
@@ -75,7 +81,7 @@ def covered(
     folder: Path,
     moves: Iterable[str],
     seeds: Iterable[int],
-    names: Iterable[str] = tuple(SHARES),
+    names: Iterable[str] = (*SHARES, *NOISE_TAILS),
     seconds: float = SECONDS,
 ) -> dict[str, Coverage]:
     """By metric: how the intervals of its numbers did, over all movements and seeds."""
@@ -101,5 +107,10 @@ def beside_truth(folder: Path, exercise: str, seed: int, seconds: float = SECOND
     camera = virtual_camera(exercise, "right", seconds, protocol, seed=seed, period_s=CYCLE_S)
     joints = camera.truth_joints_rad((rows["t_ns"] - header.monotonic_start_ns) * 1e-9)
     tips = forward(camera.scene.worn.geometry, joints).landmarks_m[:, TIPS]
-    true = measure(TrueRecording(header, {**rows, "joints_rad": joints, "fingertips_palm_m": tips}))
-    return measure_file(path), true
+    exact = {"fingertip_covariance_m2": np.zeros_like(rows["fingertip_covariance_m2"])}
+    as_it_was = {**rows, **exact, "joints_rad": joints, "fingertips_palm_m": tips}
+    true = measure(TrueRecording(header, as_it_was))
+    strokes_s = main_cycles(hand_motion(rows)).strokes_s  # in a rest, where a stroke ends is anybody's guess
+    of_strokes = stroke_metrics(hand_motion(as_it_was), strokes_s, Origin("0" * 64, header.source))
+    others = [item for item in true.metrics if item.name not in NOISE_TAILS]
+    return measure_file(path), replace(true, metrics=(*of_strokes, *others))
