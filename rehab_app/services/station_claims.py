@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from rehab_app.errors import Refused
 from rehab_app.services.audit import Audit
+from rehab_app.services.station_marks import StationMarks
 from sessions.catalogue import Catalogue
 from sessions.errors import NoAnswer
 
@@ -60,6 +61,7 @@ class Claims:
         catalogue: The clinic's catalogue.
         audit: Where a claim that was taken over is noted.
         identity: Who claims.
+        marks: Tells which processes of this folder died: what they held is free at once.
         lasts_s: How long a claim binds without being renewed.
         renew_s: How often it is renewed.
         clock_s: A clock that never goes back, in s.
@@ -73,6 +75,7 @@ class Claims:
         catalogue: Catalogue,
         audit: Audit,
         identity: StationIdentity,
+        marks: StationMarks,
         lasts_s: float = LASTS_S,
         renew_s: float = RENEW_S,
         clock_s: Callable[[], float] = time.monotonic,
@@ -80,6 +83,7 @@ class Claims:
         self._catalogue = catalogue
         self._audit = audit
         self.identity = identity
+        self._marks = marks
         self._lasts_ns = round(lasts_s * 1e9)
         self._renew_s = renew_s
         self._clock_s = clock_s
@@ -100,10 +104,12 @@ class Claims:
             patient_id: Pseudonym; empty for a demonstration, which claims nobody.
 
         Raises:
-            Refused: The patient is unknown or in therapy at another station, or nothing answers.
+            Refused: The patient is unknown or in therapy at another station, or nothing answers or can be
+                written.
         """
         if not patient_id or self._again(patient_id):
             return
+        self._marks.take()
         with self._asking:
             try:
                 self._claim(patient_id)
@@ -161,6 +167,7 @@ class Claims:
         self._woken.set()
         if self._thread is not None:
             self._thread.join(_LAST_WAIT_S)
+        self._marks.release()
 
     def _was_here(self, patient_id: str) -> bool:
         """Whether a run of the patient ended here just before."""
@@ -176,10 +183,11 @@ class Claims:
             return True
 
     def _claim(self, patient_id: str) -> None:
-        me = self.identity
-        _, before = self._catalogue.claim_patient(patient_id, me.name, me.holder, self._lasts_ns)
+        me, gone = self.identity, self._marks.gone()
+        _, before = self._catalogue.claim_patient(patient_id, me.name, me.holder, self._lasts_ns, gone)
         if before is not None:
-            detail = f"at {me.name}, the claim of {before.station} had run out"
+            how = "died with its process" if before.holder in gone else "had run out"
+            detail = f"at {me.name}, the claim of {before.station} {how}"
             self._audit.note_later(me.name, "take over patient", patient_id, detail)
 
     def _keep_up(self) -> None:

@@ -255,8 +255,10 @@ class RecordsWiring:
     def claims(self) -> Claims:
         """Which patients are in therapy here."""
         from rehab_app.services.station_claims import Claims, identity_of
+        from rehab_app.services.station_marks import StationMarks
 
-        claims = Claims(self.catalogue, self.audit, identity_of(self.settings.station_name, __version__))
+        me = identity_of(self.settings.station_name, __version__)
+        claims = Claims(self.catalogue, self.audit, me, StationMarks(self.place.root, me.holder))
         self.closing.callback(claims.close)
         return claims
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Collection
 
 from sqlalchemy import delete, select, text
 from sqlalchemy.orm import Session
@@ -60,18 +61,24 @@ class Stations(Ledger):
             return tuple(value_of(Station, row) for row in rows)
 
     def claim_patient(
-        self, patient: str, station: str, holder: str, lasts_ns: int
+        self,
+        patient: str,
+        station: str,
+        holder: str,
+        lasts_ns: int,
+        gone: Collection[str] = (),
     ) -> tuple[PatientClaim, PatientClaim | None]:
         """Begin or renew a claim: the one transaction in which a patient becomes a station's.
 
         A holder's own claim goes on since when it began. One of another holder is taken over only once it
-        has run out: that station died, or lost the network.
+        has run out, because that station died or lost the network, or is known to have died.
 
         Args:
             patient: Pseudonym.
             station: Name of the station.
             holder: Which of its processes.
             lasts_ns: How long the claim binds from now.
+            gone: Holders that are known to have died: their claims bind nobody.
 
         Returns:
             The claim, and the one of another holder that it took over, None where there was none.
@@ -88,7 +95,7 @@ class Stations(Ledger):
                 return value_of(PatientClaim, row), None
             before = value_of(PatientClaim, row)
             taken = row.holder != holder
-            if taken and row.until_utc_ns > now_ns:
+            if taken and row.until_utc_ns > now_ns and row.holder not in gone:
                 raise _elsewhere(before)
             if taken:
                 row.station, row.holder, row.since_utc_ns = station, holder, now_ns

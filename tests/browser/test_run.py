@@ -63,7 +63,7 @@ def test_the_form_says_whom_it_is_for_and_where_limits_come_from(page, served, l
     expect(page.locator("#confirm")).to_contain_text("Clara Weber, born 14 March 1957, RIGHT hand")
     expect(page.locator("[data-show=limits]")).to_contain_text("not measured today")
     look("30-form", tablet=True)
-    page.locator("#panel-play summary").click()
+    page.locator("#panel-play").get_by_text("Details", exact=True).click()
     page.get_by_label("Mode").select_option("resistive")
     expect(page.get_by_label("Resistance, %")).to_be_visible()
     look("31-form-details", tablet=True)

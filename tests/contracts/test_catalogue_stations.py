@@ -53,6 +53,15 @@ def test_another_station_is_told_where_and_since_when(catalogue: Catalogue, pati
         catalogue.claim_patient("P-9999", "room-1", "a", LONG_NS)
 
 
+def test_a_holder_that_is_known_to_have_died_binds_nobody(catalogue: Catalogue, patient: str) -> None:
+    catalogue.claim_patient(patient, "room-1", "a", LONG_NS)
+    with pytest.raises(Refused, match="in therapy at station room-1"):
+        catalogue.claim_patient(patient, "room-1", "b", LONG_NS, {"c"})
+    mine, taken = catalogue.claim_patient(patient, "room-1", "b", LONG_NS, {"a", "c"})
+    assert taken is not None
+    assert (mine.holder, taken.holder) == ("b", "a")
+
+
 def test_a_claim_that_ran_out_is_taken_over_and_told(catalogue: Catalogue, patient: str) -> None:
     dead, _ = catalogue.claim_patient(patient, "room-1", "a", 0)
     assert catalogue.claims() == ()

@@ -10,6 +10,7 @@ from rehab_app.errors import Refused
 from rehab_app.services.audit import Audit
 from rehab_app.services.order import Order
 from rehab_app.services.station_claims import Claims, identity_of
+from rehab_app.services.station_marks import StationMarks
 from sessions.catalogue import Catalogue
 
 ORDER = Order(speed=1.0, repetitions=1)
@@ -27,7 +28,14 @@ def rooms(tmp_path):
         here.takes.approve(take, CONSOLE)
         plan = here.therapy.plan(take, ORDER, actor=CONSOLE, patient_id=patient)
         audit = Audit(beside)
-        there = Claims(beside, audit, identity_of("room-2", "1.0"), 60.0, 20.0)
+        there = Claims(
+            beside,
+            audit,
+            identity_of("room-2", "1.0"),
+            StationMarks(tmp_path / "room-2", "other"),
+            60.0,
+            20.0,
+        )
         yield here, there, plan, patient
         there.close()
         audit.close()

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -12,6 +15,7 @@ import pytest
 from rehab_app.errors import Refused
 from rehab_app.services.audit import Audit
 from rehab_app.services.station_claims import SAME_SESSION_S, Claims, identity_of
+from rehab_app.services.station_marks import FOLDER, StationMarks
 from sessions.catalogue import Catalogue, Patient
 from sessions.errors import NoAnswer
 from tests.contracts.test_catalogue import URLS
@@ -23,6 +27,7 @@ class Rooms:
     """Two stations, each with a catalogue of its own on one data base."""
 
     def __init__(self, folder: Path, url: str) -> None:
+        self.folder = folder
         self.catalogues = [Catalogue.open(folder, url) for _ in range(2)]
         self.audits = [Audit(one) for one in self.catalogues]
         self.patient = self.catalogues[0].add_patient(Patient(side="right")).id
@@ -30,7 +35,8 @@ class Rooms:
 
     def claims(self, room: int, lasts_s: float = 60.0, renew_s: float = 20.0) -> Claims:
         identity = identity_of(f"room-{room + 1}", "1.0")
-        made = Claims(self.catalogues[room], self.audits[room], identity, lasts_s, renew_s)
+        marks = StationMarks(self.folder / f"room-{room + 1}", identity.holder)
+        made = Claims(self.catalogues[room], self.audits[room], identity, marks, lasts_s, renew_s)
         self._claims.append(made)
         return made
 
@@ -119,6 +125,62 @@ def test_a_dead_station_is_taken_over_and_the_audit_says_so(rooms: Rooms) -> Non
     assert "room-1" in row.detail
 
 
+PROGRAM = """
+import sys, time
+from pathlib import Path
+from rehab_app.services.station_marks import StationMarks
+StationMarks(Path(sys.argv[1]), "killed").take()
+print("taken", flush=True)
+time.sleep(600)
+"""
+
+
+def test_what_a_killed_process_of_this_folder_held_is_free_at_once(rooms: Rooms) -> None:
+    one = rooms.claims(0)
+    folder = rooms.folder / "room-1"
+    with subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, str(folder)], stdout=subprocess.PIPE, text=True
+    ) as server:
+        assert server.stdout is not None
+        assert server.stdout.readline() == "taken\n"
+        rooms.catalogues[0].claim_patient(rooms.patient, "room-1", "killed", 10**12)
+        with pytest.raises(Refused, match="in therapy at station room-1"):
+            one.start(rooms.patient)  # it lives
+        server.kill()
+    with pytest.raises(Refused, match="in therapy at station room-1"):
+        rooms.claims(1).start(rooms.patient)  # of another machine's processes nothing is known
+    rooms.audits[0].start()
+    one.start(rooms.patient)
+    rooms.audits[0].close()
+    (row,) = [row for row in rooms.catalogues[0].audit(10) if row.verb == "take over patient"]
+    assert row.detail == "at room-1, the claim of room-1 died with its process"
+
+
+def test_marks_go_with_their_process_and_old_ones_are_tidied(tmp_path: Path) -> None:
+    mine, beside = StationMarks(tmp_path, "mine"), StationMarks(tmp_path, "beside")
+    mine.take()
+    mine.take()
+    beside.take()
+    assert mine.gone() == frozenset()
+    died = tmp_path / FOLDER / "died.lock"
+    died.touch()
+    assert mine.gone() == {"died"}
+    os.utime(died, (0, 0))
+    beside.release()
+    beside.take()
+    assert mine.gone() == frozenset()
+    mine.release()
+    beside.release()
+    mine.release()
+    assert list((tmp_path / FOLDER).iterdir()) == []
+
+
+def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:
+    (tmp_path / FOLDER).touch()
+    with pytest.raises(Refused, match=r"station mark is .*make the clinic folder writable"):
+        StationMarks(tmp_path, "mine").take()
+
+
 def test_a_station_that_lost_its_claim_goes_on_and_is_told(rooms: Rooms) -> None:
     away, other = rooms.claims(0, lasts_s=0.0), rooms.claims(1)
     away.start(rooms.patient)
@@ -177,7 +239,13 @@ def test_without_the_catalogue_a_session_is_finished_and_none_begun(
 ) -> None:
     now_s = [1000.0]
     identity = identity_of("room-1", "1.0")
-    claims = Claims(rooms.catalogues[0], rooms.audits[0], identity, clock_s=lambda: now_s[0])
+    claims = Claims(
+        rooms.catalogues[0],
+        rooms.audits[0],
+        identity,
+        StationMarks(rooms.folder, "one"),
+        clock_s=lambda: now_s[0],
+    )
     stranger = rooms.catalogues[0].add_patient(Patient(side="left")).id
     with claims.held(rooms.patient):
         pass
