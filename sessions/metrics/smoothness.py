@@ -11,7 +11,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from scipy.fft import rfft
+from scipy.signal import ZoomFFT
 
 from sessions.metrics.metric import Estimate
 from sessions.records.fields import Float64, Int64
@@ -23,7 +23,7 @@ SHORTEST = 8
 """Fewest samples of a profile."""
 _TOGETHER = 64  # profiles whose spectra are held at once: they stay in the processor's cache
 _STEP = 32  # lengths are rounded up to it, so that few tables of waves serve all
-_LARGEST_WAVES = 2**17  # values of a table of waves (1 MB); longer profiles are transformed
+_LARGEST_WAVES = 2**17  # values of a table of waves (1 MB); longer profiles take the chirp z
 _TOO_SHORT = Estimate.missing(f"fewer than {SHORTEST} samples")
 _GAP = Estimate.missing("the profile has a gap")
 _NOTHING_MOVED = Estimate.missing("nothing moved")
@@ -92,15 +92,16 @@ def _amplitudes(table: Float64, size: int, lines: int) -> Float64:
     """The first lines of the amplitude spectra of profiles (R, N) padded to ``size``, shape (R, lines).
 
     Few lines of a short profile are quicker summed than transformed: about the middle of the table the even
-    part meets cosines only and the odd part sines only, and a shift in time leaves amplitudes alone.
+    part meets cosines only and the odd part sines only, and a shift in time leaves amplitudes alone. Longer
+    ones are transformed into the lines that count only (chirp z).
     """
     half = -(-table.shape[1] // _STEP) * _STEP // 2
-    if half * lines > _LARGEST_WAVES:
-        whole: Any = rfft(table, size, axis=1)
-        amplitudes: Float64 = np.abs(whole[:, :lines])
-        return amplitudes
     padded = np.zeros((len(table), 2 * half))
     padded[:, : table.shape[1]] = table
+    if half * lines > _LARGEST_WAVES:
+        whole: Any = _zoom(2 * half, size, lines)(padded, axis=1)
+        amplitudes: Float64 = np.abs(whole)
+        return amplitudes
     late, early = padded[:, half:], padded[:, half - 1 :: -1]
     cosine, sine = _waves(half, size, lines)
     real, imaginary = (late + early) @ cosine, (late - early) @ sine
@@ -108,6 +109,12 @@ def _amplitudes(table: Float64, size: int, lines: int) -> Float64:
     imaginary *= imaginary
     real += imaginary
     return np.sqrt(real, out=real)
+
+
+@lru_cache(maxsize=32)
+def _zoom(number: int, size: int, lines: int) -> Any:
+    """The transform of profiles of that length into the first lines of a spectrum of ``size``."""
+    return ZoomFFT(number, [0.0, 2.0 * (lines - 1) / size], m=lines, endpoint=True)
 
 
 @lru_cache(maxsize=32)

@@ -95,26 +95,31 @@ def dose_picture(progress: Progress, key: str) -> str:
     figure = new_figure(7.4, 2.2)
     axes: Any = figure.subplots()
     number = np.arange(1, len(made) + 1)
-    axes.bar(number, np.nan_to_num(made), 0.7, color=_BAND, edgecolor=_BLUE, label=_("repetitions"))
-    axes.bar(
-        number,
-        np.nan_to_num(own),
-        0.7,
-        color="none",
-        edgecolor=_BLUE,
-        hatch="////",
-        label=_("started by the patient"),
-    )
+    _bars(axes, np.nan_to_num(made), facecolor=_BAND, label=_("repetitions"))
+    _bars(axes, np.nan_to_num(own), facecolor="none", hatch="////", label=_("started by the patient"))
     for place, value in zip(number, made, strict=True):
         if math.isnan(value):
             axes.text(place, 0.0, _("not\nmeasured"), ha="center", va="bottom", fontsize=7)
     if progress.ordered:
         axes.axhline(progress.ordered, color=_ORANGE, linestyle=(0, (4, 2)), label=_("plan"))
+    highest = max(np.nan_to_num(made).max(), np.nan_to_num(own).max(), progress.ordered or 0)
+    axes.set_ylim(0.0, 1.05 * highest or 1.0)
+    axes.set_xlim(0.4, len(made) + 0.6)
     axes.set_ylabel(_("repetitions"))
     axes.set_xlabel(_("session"))
     _whole_numbers(axes, len(made))
     _legend(figure, axes)
     return svg(figure, key, _("Repetitions by session"))
+
+
+def _bars(axes: Any, heights: Any, **style: Any) -> None:
+    """Bars from 0 at 1, 2, 3 ...: one drawing, where ``bar`` makes hundreds that are each laid out."""
+    from matplotlib.collections import PolyCollection
+
+    left = np.arange(1, len(heights) + 1) - 0.35
+    x = np.column_stack((left, left, left + 0.7, left + 0.7))
+    y = np.column_stack((0.0 * left, heights, heights, 0.0 * left))
+    axes.add_collection(PolyCollection(list(np.stack((x, y), axis=-1)), edgecolor=_BLUE, **style))
 
 
 @drawing()
