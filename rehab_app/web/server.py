@@ -21,6 +21,7 @@ from rehab_app.services.snapshot import BUSY
 from rehab_app.services.tally import ENDING
 from rehab_app.web.app import create_app
 from rehab_app.web.gateway.wire import BUFFER_BYTES
+from rehab_app.web.heap import keep_heap_small
 from rehab_app.web.notify import ALIVE, READY, STOPPING, notify, watchdog_s
 from rehab_app.web.server_log import tell
 from rehab_app.web.tls import TlsFiles
@@ -51,6 +52,7 @@ def serve(
         Refused: The port is in use or the address is not of this machine.
     """
     line = listen(host, port)
+    keep_heap_small()
     with _no_second_end(), ahead_of_others(), contextlib.suppress(KeyboardInterrupt):
         threading.Thread(target=clinic.interrupted.restore, name="restore", daemon=True).start()
         keep_up(clinic)

@@ -24,6 +24,7 @@ from rehab_app.services.rows import PreparedPlan
 from rehab_app.services.snapshot import LiveSnapshot
 from rehab_app.services.therapy import Therapy
 from rehab_app.web import create_app
+from rehab_app.web.heap import keep_heap_small
 from rehab_app.web.server import ShellServer, ahead_of_others, listen
 from rehab_app.web.visit import COOKIE
 from robot_iface.types import Certificate
@@ -146,6 +147,7 @@ def rehearsed_once() -> Generator[None]:
 @contextmanager
 def served(folder: Path) -> Generator[Served]:
     """A clinic with an approved take on its real server."""
+    keep_heap_small()
     with ahead_of_others(), open_clinic(folder, serving=True) as clinic:
         clinic.accounts.add_user(NAME, "therapist", "correct horse battery", CONSOLE)
         take = clinic.takes.record_virtual("open_close", "right", 4.0, 3, CONSOLE).take
