@@ -1,8 +1,8 @@
 """The heap of a server that runs for days: what a session needed goes back to the system when it is over.
 
 Left alone, the C library keeps an arena for every thread or two and, once a large block was freed, takes
-blocks up to that size from them: after hours of sessions half of the heap was holes, and the process grew by a
-tenth (``docs/benchmarks.md``).
+blocks up to that size from them: after hours of sessions half of the heap was holes, and the process grew by
+a tenth (``docs/benchmarks.md``).
 """
 
 from __future__ import annotations
