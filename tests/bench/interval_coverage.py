@@ -81,7 +81,7 @@ def covered(
     folder: Path,
     moves: Iterable[str],
     seeds: Iterable[int],
-    names: Iterable[str] = (*SHARES, *NOISE_TAILS),
+    names: Iterable[str] = tuple(SHARES),
     seconds: float = SECONDS,
 ) -> dict[str, Coverage]:
     """By metric: how the intervals of its numbers did, over all movements and seeds."""
