@@ -153,11 +153,10 @@ def stroke_metrics(motion: HandMotion, strokes_s: Float64, origin: Origin) -> li
         values = stroke_values(t_s, tips[:, column], strokes_s, noise_m)
         lineage = origin.lineage((motion.topic,), motion.t_ns, _filter_of(values))
         reach = noise_reach(values, noise_m, rng)
-        noise_said = "" if math.isfinite(noise_m) else NOISE_UNKNOWN
+        flags = (motion.tip_flag(column), "" if math.isfinite(noise_m) else NOISE_UNKNOWN)
         for name, remark in _STROKE_ROWS:
             estimate = over_strokes([getattr(item, name) for item in values], reach[name])
-            said = "; ".join(filter(None, (motion.tip_flag(column), noise_said, remark)))
-            found.append(metric(name, digit, estimate, lineage, said))
+            found.append(metric(name, digit, estimate, lineage, "; ".join(filter(None, (*flags, remark)))))
         floors = smoothness_floor(values, noise_m, rng)
         for name, floor in zip(("sparc_floor", "ldlj_floor"), floors, strict=True):
             found.append(metric(name, digit, floor, lineage))

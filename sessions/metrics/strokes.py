@@ -88,9 +88,7 @@ def over_strokes(values: Sequence[Estimate], reach: Reach = (0.0, 0.0)) -> Estim
     """
     known = np.array([item.value for item in values if math.isfinite(item.value)])
     if not known.size:
-        return Estimate.missing(
-            values[0].reason if values else "no gap-free stroke of 5 mm or more, clear of the noise"
-        )
+        return Estimate.missing(values[0].reason if values else NO_STROKE)
     mean = float(known.mean())
     if known.size < FEWEST_FOR_INTERVAL:
         return Estimate(mean, None, f"no interval: {known.size} of at least {FEWEST_FOR_INTERVAL}")

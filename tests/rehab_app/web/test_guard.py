@@ -25,10 +25,15 @@ def test_own_names_and_addresses_are_known(host):
     "origin", ["https://evil.example", "null", "", "http://localhost:1", "http://localhost.evil.example"]
 )
 def test_actions_of_other_sites_are_refused(browser, clinic, take, origin):
-    before = clinic.takes.approval(take)  # the clinic is one for all files
-    answer = browser("therapist").post(f"/takes/{take}/approve", origin=origin)
+    def approvals() -> list[int]:
+        return [row.seq for row in clinic.catalogue.audit(10_000) if row.verb == "approve"]
+
+    page = browser("therapist")
+    before, written = clinic.takes.approval(take), approvals()  # the clinic is one for all files
+    answer = page.post(f"/takes/{take}/approve", origin=origin)
     assert answer.status_code == 403
     assert clinic.takes.approval(take) == before
+    assert approvals() == written
 
 
 @pytest.mark.parametrize("path", PAGES)
