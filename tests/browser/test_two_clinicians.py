@@ -95,11 +95,24 @@ def play(page: Page, patient: str = "") -> None:
     pytest.fail("three sessions ended before they moved the hand")
 
 
-def goes_on(page: Page) -> None:
-    """Wait until the picture has drawn ten more frames."""
-    start = drawn_frame(page)
-    until(page, lambda: drawn_frame(page) > start + 10 or not moves_on(page), "the picture stood still")
-    assert state(page) == "playing"
+def goes_on(page: Page, operator: Page) -> None:
+    """Wait until the picture of a page has drawn ten more frames of the movement that another one leads."""
+    for _ in range(3):
+        play(operator)
+        start = drawn_frame(page)
+        until(
+            page,
+            lambda at=start: drawn_frame(page) > at + 10 or not (moves_on(page) or state(page) == "playing"),
+            "the picture stood still",
+        )
+        if state(page) == "playing":
+            return
+    pytest.fail("three sessions ended before the picture went on")
+
+
+def told_frame(page: Page) -> int:
+    """Number of the newest frame that the server told the page."""
+    return int(desk(page).get_attribute("data-frame") or "-1")
 
 
 def test_both_see_the_same_therapy(first, second):
@@ -113,8 +126,8 @@ def test_both_see_the_same_therapy(first, second):
         expect(second.locator(f"[data-show={show}]")).to_have_text(same)
     expect(first.locator("[data-show=operator]")).to_have_text("This page")
     expect(second.locator("[data-show=operator]")).to_have_text(NAME)
-    goes_on(second)
-    goes_on(first)
+    goes_on(second, first)
+    goes_on(first, first)
 
 
 @pytest.mark.parametrize("size", [(1024, 768), (768, 1024)], ids=["lying", "standing"])
@@ -158,11 +171,14 @@ def overlap(one: dict[str, float], other: dict[str, float]) -> bool:
     )
 
 
-@pytest.mark.parametrize("rate", [8_000.0, 30_000.0], ids=["hardly", "slowly"])
+@pytest.mark.parametrize("rate", [4_000.0, 8_000.0, 30_000.0], ids=["barely", "hardly", "slowly"])
 def test_a_slow_network_shows_stale_within_a_second_and_nobody_else_is_touched(
     first, second, network, rate, capsys
 ):
-    """Both rates are below what the picture takes; the faster one keeps it flowing, but late."""
+    """All rates are below what the picture takes; the fastest keeps it flowing, but late.
+
+    At the slowest even the answers to the heartbeat are seconds old when they come.
+    """
     for _ in range(3):
         play(first)
         expect(second.locator("#stale")).to_be_hidden()
@@ -183,7 +199,7 @@ def test_a_slow_network_shows_stale_within_a_second_and_nobody_else_is_touched(
     assert any(one[2] for one in slow)
     assert sum(one[2] for one in seen) <= 0.1 * len(seen), "the other page went stale"
     expect(second.locator("#stale")).to_be_hidden()
-    goes_on(second)
+    goes_on(second, first)
 
 
 def unmarked_s(seen: list[list[float]], slow: list[list[float]]) -> float:
@@ -207,9 +223,10 @@ def test_the_stop_of_the_second_stops_what_the_first_began(first, second):
     expect(desk(first)).to_have_attribute("data-state", "stopped")
     expect(first.locator("#latched")).to_be_visible()
     expect(first.get_by_text(SEALED)).to_be_visible()
-    still = drawn_frame(first)
+    until(first, lambda: drawn_frame(first) == told_frame(first), "the picture never showed the last state")
+    still = told_frame(first)
     first.wait_for_timeout(1000)  # the time in which nothing may happen
-    assert drawn_frame(first) == still
+    assert drawn_frame(first) == told_frame(first) == still
     clear_stop(first)
     expect(second.locator("#latched")).to_be_hidden()
 

@@ -14,6 +14,7 @@ onmessage = (event) => {
 async function beat() {
   if (told === null || waiting) return;
   const alive = told.hidden || performance.now() - heardAt < 700;
+  const asked = performance.now();
   waiting = true;
   try {
     const answer = await fetch("/live/beat", {
@@ -23,7 +24,7 @@ async function beat() {
       signal: AbortSignal.timeout(2000),
     });
     const said = await answer.json();
-    postMessage({ status: answer.status, said });
+    postMessage({ status: answer.status, said, took: performance.now() - asked });
   } catch (problem) {
     postMessage({ status: 0, said: {} });
   } finally {

@@ -11,7 +11,7 @@ const told = (key, values) => WORDS[key].replace(/\{(\w+)\}/g, (_, name) => valu
 const handOf = (side) => WORDS[side] ?? side;
 const all = (query) => [...document.querySelectorAll(query)];
 let now = { state: "idle", frame: 0 };
-let answeredAt = performance.now();
+let knownAt = performance.now(); // what the server said last is at least as new as this: when it was asked
 let refusedUntil = 0;
 let knownTake = "";
 let heldSpeed = false;
@@ -380,15 +380,18 @@ let sentChangedAt = performance.now();
 let movingSince = performance.now();
 let awaited = []; // frames of a movement that the server told and the picture has not drawn yet, and when
 
-function hear(state) {
-  answeredAt = performance.now();
+// An answer may have been on its way for long, so it counts from when it was asked for, not from when it came.
+function hear(state, askedAt) {
+  knownAt = askedAt;
   if (state.frame === sentFrame) return;
   if (state.frame < sentFrame) awaited = []; // a server that began anew counts anew
-  if (answeredAt - sentChangedAt > 500) movingSince = answeredAt; // what stood still was no old picture
+  if (knownAt - sentChangedAt > 500) movingSince = knownAt; // what stood still was no old picture
   sentFrame = state.frame;
-  sentChangedAt = answeredAt;
-  if (state.state === "playing" && !state.paused) awaited.push([sentFrame, answeredAt]);
+  sentChangedAt = knownAt;
+  if (state.state === "playing" && !state.paused) awaited.push([sentFrame, knownAt]);
 }
+
+const silent = (clock) => clock - knownAt > 700; // three questions without an answer
 
 // A picture is old when it stands still, and also when it flows but comes late, as over a slow network.
 function lag() {
@@ -396,25 +399,24 @@ function lag() {
   const clock = performance.now();
   if (mark && Number(mark.dataset.frame) !== shownFrame) { shownFrame = Number(mark.dataset.frame); shownChangedAt = clock; }
   while (awaited.length && awaited[0][0] <= shownFrame) awaited.shift();
-  if (clock - answeredAt > 1000) return clock - answeredAt;
+  if (silent(clock)) return clock - knownAt;
   if (!awaited.length) return 0; // drawn, or nothing moved: a picture that never came is as old as the movement
   return clock - Math.min(Math.max(shownChangedAt, movingSince), awaited[0][1]);
 }
 
 function tick() {
   const late = lag();
-  const lost = performance.now() - answeredAt > 1000;
   stale.hidden = late < 300;
-  stale.firstElementChild.textContent = lost ? WORDS.lost : WORDS.stale;
+  stale.firstElementChild.textContent = silent(performance.now()) ? WORDS.lost : WORDS.stale;
   beat.postMessage({ token: document.body.dataset.token, page, alive: late < 1000, hidden: document.hidden });
 }
 
 const beat = new Worker("/static/beat.js");
 beat.onmessage = (event) => {
-  const { status, said: state } = event.data;
+  const { status, said: state, took } = event.data;
   if (status === 401) return void signInEnded();
   if (status !== 200) return;
-  hear(state);
+  hear(state, performance.now() - took);
   show(state);
 };
 document.addEventListener("visibilitychange", tick);
