@@ -1,8 +1,8 @@
 """What the USB libraries of depth cameras find, asked in a process of its own.
 
 They start threads, take signals and at times bring their process down, also when nothing is plugged in: a
-look at what there is must not end the server that shows a therapy. Recording from such a camera loads its
-library where it is recorded.
+look at what there is must not end the server that shows a therapy. What is recorded from has a process of its
+own too, see ``apart``.
 """
 
 from __future__ import annotations

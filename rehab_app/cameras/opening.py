@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from rehab_app.cameras.apart import Apart, reading
 from rehab_app.cameras.frame import Camera
 from rehab_app.cameras.freenect import FreenectCamera
 from rehab_app.cameras.lease import CameraLease
@@ -29,7 +30,8 @@ _VIRTUAL_S = 3600.0
 def open_camera(spec: str, *, intrinsics: Intrinsics | None = None) -> Camera:
     """The camera of a name; it is opened by entering it.
 
-    Live cameras come with their exclusive lease and survive being unplugged (``Reconnecting``).
+    Live cameras come with their exclusive lease, survive being unplugged (``Reconnecting``), and their
+    drivers run in a process of their own (``Apart``).
 
     Args:
         spec: As ``list_cameras`` names it; or ``video:FILE``, ``session:FILE``, or a file's path alone, where
@@ -54,34 +56,44 @@ def open_camera(spec: str, *, intrinsics: Intrinsics | None = None) -> Camera:
     raise Refused("camera", repr(spec), _FORMS, "see rehab-app camera list for what is there")
 
 
+def live_source(spec: str, intrinsics: Intrinsics | None) -> Camera:
+    """The live camera of a name itself, whose driver runs in the process that opens it.
+
+    Raises:
+        Refused: It cannot be read as the name of a camera, or the intrinsics are not for it.
+    """
+    kind, _, rest = spec.partition(":")
+    return _LIVE[kind](spec, rest, intrinsics)
+
+
 def _live(spec: str, kind: str, rest: str, intrinsics: Intrinsics | None) -> Camera:
-    make = _LIVE[kind](spec, rest, intrinsics)
     name = spec if rest or kind == "realsense" else f"{kind}:0"
+
+    def make() -> Camera:
+        return Apart(live_source(spec, intrinsics), reading(spec, intrinsics))
+
     return Reconnecting(make, CameraLease(name))
 
 
-def _webcam(spec: str, rest: str, intrinsics: Intrinsics | None) -> Callable[[], Camera]:
-    index = _number(spec, rest)
-    return lambda: Webcam(index, intrinsics)
+def _webcam(spec: str, rest: str, intrinsics: Intrinsics | None) -> Camera:
+    return Webcam(_number(spec, rest), intrinsics)
 
 
-def _realsense(spec: str, rest: str, intrinsics: Intrinsics | None) -> Callable[[], Camera]:
+def _realsense(spec: str, rest: str, intrinsics: Intrinsics | None) -> Camera:
     if intrinsics is None:
-        return lambda: RealSenseCamera(rest or None)
-    return lambda: RealSenseCamera(rest or None, size_px=(intrinsics.width_px, intrinsics.height_px))
+        return RealSenseCamera(rest or None)
+    return RealSenseCamera(rest or None, size_px=(intrinsics.width_px, intrinsics.height_px))
 
 
-def _kinect(spec: str, rest: str, intrinsics: Intrinsics | None) -> Callable[[], Camera]:
-    index = _number(spec, rest)
-    return lambda: FreenectCamera(index, intrinsics)
+def _kinect(spec: str, rest: str, intrinsics: Intrinsics | None) -> Camera:
+    return FreenectCamera(_number(spec, rest), intrinsics)
 
 
-def _openni(spec: str, rest: str, intrinsics: Intrinsics | None) -> Callable[[], Camera]:
-    device = rest if rest and not rest.isdecimal() else _number(spec, rest)
-    return lambda: OpenNiCamera(device, intrinsics)
+def _openni(spec: str, rest: str, intrinsics: Intrinsics | None) -> Camera:
+    return OpenNiCamera(rest if rest and not rest.isdecimal() else _number(spec, rest), intrinsics)
 
 
-_LIVE: dict[str, Callable[[str, str, Intrinsics | None], Callable[[], Camera]]] = {
+_LIVE: dict[str, Callable[[str, str, Intrinsics | None], Camera]] = {
     "webcam": _webcam,
     "realsense": _realsense,
     "kinect": _kinect,

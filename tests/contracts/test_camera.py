@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from itertools import islice
 from pathlib import Path
@@ -21,6 +22,7 @@ from rehab_app.cameras import (
     scripted_motion,
     wear_markers,
 )
+from rehab_app.cameras.apart import Apart
 from rehab_app.geometry.pinhole import Intrinsics
 from rehab_app.hand.protocol import load_protocol
 from rehab_app.recording.images import frame_records
@@ -121,7 +123,30 @@ def reconnecting_camera() -> Make:
     return lambda: Reconnecting(virtual)
 
 
+CHILD = """
+import sys
+from multiprocessing.connection import Connection
+import numpy as np
+from rehab_app.cameras import VirtualCamera, hand_scene, scripted_motion, wear_markers
+from rehab_app.cameras.apart_reader import read
+from rehab_app.geometry.pinhole import Intrinsics
+from rehab_app.hand.protocol import load_protocol
+from robot_iface.kinematics import average_hand
+geometry, rng = average_hand(0.19), np.random.default_rng(1)
+worn = wear_markers(geometry, load_protocol("thesis25"), rng)
+scene = hand_scene(worn, scripted_motion("tapping"), rng)
+lens = Intrinsics(262.5, 262.5, 159.5, 119.5, 320, 240)
+read(VirtualCamera(scene, realtime=False, rate_hz=30.0, intrinsics=lens), Connection(int(sys.argv[1])))
+"""
+
+
+@pytest.fixture
+def apart_camera() -> Make:
+    return lambda: Apart(virtual(), (sys.executable, "-c", CHILD, "{}"))
+
+
 NAMES = (
+    "apart",
     "virtual",
     "virtual_realtime",
     "recorded",
@@ -197,6 +222,17 @@ def test_a_camera_can_be_opened_again(make: Make) -> None:
 
 def test_the_name_is_fit_for_a_file(make: Make) -> None:
     assert make().name.replace("-", "").isalnum()
+
+
+def test_a_camera_apart_shows_the_same_pictures(apart_camera: Make) -> None:
+    with apart_camera() as camera, virtual() as here:
+        for one, other in islice(zip(camera.frames(), here.frames(), strict=False), 3):
+            assert isinstance(one, Frame)
+            assert isinstance(other, Frame)
+            assert np.array_equal(one.colour_bgr, other.colour_bgr)
+            assert one.depth_m is not None
+            assert other.depth_m is not None
+            assert np.array_equal(one.depth_m, other.depth_m)
 
 
 def test_a_lost_image_of_a_recording_is_counted(session: Path) -> None:

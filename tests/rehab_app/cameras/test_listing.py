@@ -28,11 +28,10 @@ from rehab_app.cameras import (
     realsense,
     webcam,
 )
-from rehab_app.cameras.freenect import FreenectCamera
+from rehab_app.cameras.apart import Apart
 from rehab_app.cameras.lease import CameraLease
 from rehab_app.cameras.lost import missing_extra
 from rehab_app.cameras.preview import look_through
-from rehab_app.cameras.realsense import RealSenseCamera
 from rehab_app.cameras.webcam import Webcam, webcam_indices
 from rehab_app.geometry.pinhole import Intrinsics
 from sessions.errors import Refused
@@ -105,8 +104,7 @@ def test_this_machines_libraries_answer_from_their_own_process() -> None:
 def test_a_camera_that_is_recorded_from_is_busy(
     machine: Path, opened: str, listed: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for kind in (FreenectCamera, RealSenseCamera):
-        monkeypatch.setattr(kind, "__enter__", lambda self: self)
+    monkeypatch.setattr(Apart, "__enter__", lambda self: self)
     with open_camera(opened):
         assert {one.id: one.state for one in list_cameras()}[listed] == "busy"
         with pytest.raises(Refused, match="in use by another program"):

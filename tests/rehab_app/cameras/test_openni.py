@@ -10,12 +10,14 @@ import os
 import subprocess
 import sys
 from importlib.util import find_spec
+from itertools import islice
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from rehab_app.cameras import openni_library
+from rehab_app.cameras import Frame, open_camera, openni_library
 from rehab_app.cameras.openni import OpenNiCamera
 from sessions.errors import Refused
 
@@ -49,13 +51,18 @@ os._exit(0)
 
 
 @pytest.fixture
-def dummy() -> dict[str, list[float]]:
-    """What the Dummy device gave, or a skip that says what is missing; in CI a failure."""
+def library() -> None:
+    """A skip that says what is missing; in CI a failure."""
     if find_spec("openni") is None or openni_library.library_folder() is None:
         missing = "the OpenNI tests need the extra openni and its library: run tests/install-tools.sh"
         if os.environ.get("CI") == "true":
             pytest.fail(missing)
         pytest.skip(missing)
+
+
+@pytest.fixture
+def dummy(library: None) -> dict[str, list[float]]:
+    """What the Dummy device gave."""
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=False, timeout=60
     )
@@ -77,6 +84,15 @@ def test_the_dummy_device_gives_paired_images_in_metres(dummy: dict[str, list[fl
 def test_what_is_not_there_is_a_sentence(dummy: dict[str, str]) -> None:
     assert "must be connected: plug it in" in dummy["absent"]
     assert "open it before" in dummy["closed"]
+
+
+def test_a_recording_reads_it_without_its_library(library: None) -> None:
+    """The library, whose farewell may crash, is in another process."""
+    with open_camera("openni:Dummy") as camera:
+        frames = list(islice(camera.frames(), 8))
+        assert camera.intrinsics.width_px == 320
+    assert [isinstance(one, Frame) and one.colour_bgr.shape for one in frames] == [(240, 320, 3)] * 8
+    assert "libOpenNI2" not in Path("/proc/self/maps").read_text()
 
 
 def test_a_missing_extra_names_itself(monkeypatch: pytest.MonkeyPatch) -> None:
