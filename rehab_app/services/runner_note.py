@@ -13,14 +13,10 @@ from rehab_app.services.runner_figures import RunFigures
 from rehab_app.services.runner_steps import STEPS, Course
 from rehab_app.services.sessions import Sessions
 from sessions.catalogue import Catalogue
+from sessions.reports.wording import MODES
 
 _NOT_SAID = "not asked"
-_MODES = {
-    "passive": "passive (CPM)",
-    "assistive": "active-assisted",
-    "transparent": "active",
-    "resistive": "resisted",
-}
+_MODES = {**MODES, "passive": "passive (CPM)"}
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from sessions.records import SessionHeader
 from sessions.reports.language import _, decimal, marked, short_day
 from sessions.reports.paper import Block, Heading, Hint, Numbers, Pairs
 from sessions.reports.tables import Cell, Row, Table
-from sessions.reports.wording import MISSING, joint_name
+from sessions.reports.wording import MISSING, MODES, joint_name
 
 _DEGREES = 180.0 / math.pi
 _BY_JOINT = (
@@ -45,7 +45,7 @@ _ORDER = (
     ("warm_up_repetitions", marked("Warm-up repetitions"), 1.0, ""),
     ("skin_check_s", marked("Skin check after"), 1.0, "s"),
 )
-_WORDS = {"joint": marked("the joints"), "fingertip": marked("the fingertips")}
+_WORDS = {"joint": marked("the joints"), "fingertip": marked("the fingertips"), **MODES}
 _ONLY_IN = {"assist_forgetting": "assistive", "cue_timeout_s": "assistive", "resistance": "resistive"}
 """What says something in one mode only."""
 _ZERO_IS_NONE = frozenset(("minutes", "warm_up_repetitions", "skin_check_s"))

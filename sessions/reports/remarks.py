@@ -6,6 +6,7 @@ import re
 from functools import lru_cache
 
 from sessions.reports.language import _, decimal, marked
+from sessions.reports.wording import MODES
 
 SAID = (
     "estimated from other joints, not measured",
@@ -89,10 +90,6 @@ SAID = (
     "zero-phase Butterworth low-pass, order 4, %(cut)s Hz",
     "%(rate)s samples/s",
     "norm MCP 90, PIP 100, DIP 80, thumb MP 55, IP 80 deg",
-    "passive",
-    "assistive",
-    "transparent",
-    "resistive",
     "unknown",
     "encoder",
     "virtual-camera",
@@ -128,6 +125,7 @@ _CLEARER = {
     "no interval: %(n)s of at least %(least)s": marked(
         "no interval: %(n)s movements were seen whole, at least %(least)s are needed"
     ),
+    **MODES,
 }
 """What the measurement says, and how a reader is told."""
 _MODE = "passive|assistive|transparent|resistive|unknown"

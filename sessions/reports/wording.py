@@ -50,6 +50,39 @@ _NAMES = {
 }
 _WORDS = {"flexion": marked("flexion"), "abduction": marked("abduction"), "tip": marked("tip")}
 _HANDS = {"left": marked("left hand"), "right": marked("right hand")}
+MODES = {
+    "passive": marked("passive"),
+    "assistive": marked("active-assisted"),
+    "transparent": marked("active"),
+    "resistive": marked("resisted"),
+}
+"""Therapy modes of files as clinicians call them."""
+EXERCISES = {
+    "open_close": "Hand opening and closing",
+    "straight_fist": "Straight fist",
+    "hook_fist": "Hook fist",
+    "full_fist": "Full fist",
+    "tabletop": "Tabletop",
+    "index_pip": "Index PIP flexion",
+    "dip_blocking": "DIP blocking",
+    "finger_flexion": "Single-finger flexion and extension",
+    "place_and_hold": "Place and hold",
+    "spread": "Finger abduction (spread)",
+    "thumb_abduction": "Thumb abduction",
+    "thumb_extension": "Thumb extension",
+    "opposition": "Thumb opposition to each finger",
+    "pinch": "Tip pinch",
+    "three_jaw_pinch": "Three-jaw pinch",
+    "key_pinch": "Key pinch",
+    "cylinder_grasp": "Cylinder grasp and release",
+    "tapping": "Finger tapping",
+    "wave": "Wave",
+    "still": "Hold still",
+    "range of motion sweep": "Today's range, measured",
+    "fit check": "Fit check",
+    "tone at three speeds": "Tone at three speeds",
+}
+"""Exercises of files in the words of the pages, whose catalogue translates them."""
 
 
 def unit_shown(name: str, unit: str) -> str:
@@ -116,13 +149,13 @@ def hand(side: str) -> str:
 
 
 def mode_words(modes: Iterable[str]) -> str:
-    """Therapy modes, such as "passive and assistive"."""
-    return _(" and ").join(_(mode) for mode in modes) or _("unknown")
+    """Therapy modes, such as "passive and active-assisted"."""
+    return _(" and ").join(_(MODES.get(mode, mode)) for mode in modes) or _("unknown")
 
 
 def exercise_words(exercise: str) -> str:
-    """The name of an exercise or movement; a name that a program gave it without its underscores."""
-    return _(exercise.replace("_", " ")) if exercise else _("not named")
+    """The name of an exercise or movement; one that only its file knows without its underscores."""
+    return _(EXERCISES.get(exercise, exercise.replace("_", " "))) if exercise else _("not named")
 
 
 def capital(text: str) -> str:

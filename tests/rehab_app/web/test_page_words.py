@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from rehab_app.web import words
 from rehab_app.web.language import speak
 from rehab_app.web.pages import kept
 from rehab_app.web.render import joint
 from robot_iface.types.hand import JOINTS
+from sessions.reports import wording
 
 
 @pytest.fixture(autouse=True)
@@ -45,3 +47,7 @@ def test_what_a_person_typed_is_shown_under_its_label():
     assert (field.words, field.unseen, field.long) == ("What happened", False, True)
     assert kept._shown("own_thing", "x").words == "Own thing"
     assert kept._shown("remark", " ").unseen
+
+
+def test_reports_call_exercises_as_the_pages_do() -> None:
+    assert wording.EXERCISES == words.EXERCISES

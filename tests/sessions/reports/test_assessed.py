@@ -117,7 +117,7 @@ def test_modes_stand_in_tables_of_their_own() -> None:
     passive: dict[str, Any] = {"modes": ("passive",), "conditions": "stiffness 0.90 Nm/rad, passive mode"}
     found = progress(past(0, **passive), past(1), past(2, pip_deg=70.0, **passive), past(3, pip_deg=60.0))
     tables = [one for one in judged_tables(found, Judgements()) if one.title.startswith("Range of motion")]
-    assert ["assistive mode" in table.title for table in tables] == [True, False]
+    assert ["active-assisted mode" in table.title for table in tables] == [True, False]
     assert "passive mode" in tables[1].title
     assert tables[0].rows[0].cells[0].text == "40.0°" or "40" in tables[0].rows[0].cells[0].text
     assert all(len(table.columns) == len(tables[0].columns) for table in tables)
