@@ -25,6 +25,7 @@ from sessions.catalogue import (
     Patient,
     Setting,
     Take,
+    TakeFilter,
     TherapySession,
 )
 from sessions.catalogue.beginnings import Begun
@@ -91,9 +92,35 @@ class RememberingCatalogue(Catalogue):
                 return None
             raise
 
-    def approvals(self) -> dict[str, Approval]:
+    def approvals(self, takes: tuple[str, ...] | None = None) -> dict[str, Approval]:
         """As the catalogue says, or said last."""
-        return self._known(super().approvals)
+        return self._known(super().approvals, takes)
+
+    def recent_patients(self, count: int) -> tuple[tuple[Patient, ...], int]:
+        """As the catalogue says, or said last."""
+        return self._known(super().recent_patients, count)
+
+    def find_takes(self, wanted: TakeFilter, start: int, count: int) -> tuple[tuple[Take, ...], int]:
+        """As the catalogue says, or said last; those that wait come first, on the first page."""
+        found, total = self._known(super().find_takes, wanted, start, count)
+        held = {one.sha256: one for one in self._stand_ins.values() if isinstance(one, Take)}
+        known = {take.sha256 for take in found}
+        waiting = tuple(
+            held[sha256] for sha256 in reversed(held) if sha256 not in known and wanted.fits(held[sha256])
+        )
+        return (*(waiting if start == 0 else ()), *found), total + len(waiting)
+
+    def take_counts(self, *, approved: bool = False) -> dict[str, int]:
+        """As the catalogue says, or said last."""
+        return self._known(super().take_counts, approved=approved)
+
+    def patients_named(self, pseudonyms: tuple[str, ...]) -> tuple[Patient, ...]:
+        """As the catalogue says, or said last."""
+        return self._known(super().patients_named, pseudonyms)
+
+    def demonstrators(self, count: int) -> tuple[Patient, ...]:
+        """As the catalogue says, or said last."""
+        return self._known(super().demonstrators, count)
 
     def exercises(self) -> tuple[Exercise, ...]:
         """As the catalogue says, or said last."""

@@ -17,6 +17,8 @@ from sessions.records import SIDES, Side
 LONGEST_NAME = 80
 LONGEST_NOTE = 2000
 ON_A_PAGE = 50
+FOR_CHOICE = 20
+"""How many a list offers for choice before it is searched instead."""
 HAND_LENGTH_M = (0.10, 0.26)
 _OLDEST_YEARS = 130
 _AUDIT_ROWS = 500
@@ -77,6 +79,26 @@ class Patients:
         if page > pages:
             return self.search(typed, archived=archived, order=order, page=pages)
         return Found(rows, total, max(page, 1), pages)
+
+    def choice(self, typed: str = "", kept: str = "") -> Found:
+        """A few patients for a list to choose from, at most 20 and the one that is kept.
+
+        Args:
+            typed: Words as of ``search``; empty for those lately treated, prescribed for or added.
+            kept: Pseudonym of a patient who is in the list in any case: the one chosen already.
+
+        Raises:
+            Refused: The words are too long.
+        """
+        words = one_line("search", typed, 2 * LONGEST_NAME)
+        rows, total = (
+            self._catalogue.find_patients(words, count=FOR_CHOICE)
+            if words
+            else self._catalogue.recent_patients(FOR_CHOICE)
+        )
+        if kept and all(one.id != kept for one in rows):
+            rows = (*self._catalogue.patients_named((kept,)), *rows)
+        return Found(rows, total, 1, 1)
 
     def namesakes(self, given_name: str, family_name: str, birth_date: str) -> tuple[Patient, ...]:
         """Patients of the same name or the same birth date, whom the new one could be mistaken for."""

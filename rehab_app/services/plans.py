@@ -17,7 +17,6 @@ from rehab_app.services.plan_strength import stronger
 from rehab_app.services.rows import TakeRow
 from rehab_app.services.takes import Takes
 from sessions.catalogue import Catalogue, PatientEntry
-from sessions.records import Side
 
 _KIND = "plan"
 
@@ -107,19 +106,33 @@ class Plans:
 
     def playables(self, plan: Plan) -> tuple[TakeRow | None, ...]:
         """For each item of a plan the approved take that it plays, see ``playable``."""
-        rows = [row for row in self._takes.list() if row.approved_by is not None]
         side = self._catalogue.patient(plan.patient).side
-        return tuple(_played(item, rows, side) for item in plan.items)
+        newest = {
+            name: self._takes.shelf.newest(name, side)
+            for name in dict.fromkeys(item.exercise for item in plan.items if not item.take)
+        }
+        return tuple(self._approved(item.take) if item.take else newest[item.exercise] for item in plan.items)
 
-    def notes(self, plan: Plan) -> tuple[str, ...]:
-        """What keeps a plan from being played today, one sentence each: locked modes, missing takes."""
+    def notes(self, plan: Plan, playables: tuple[TakeRow | None, ...] | None = None) -> tuple[str, ...]:
+        """What keeps a plan from being played today, one sentence each: locked modes, missing takes.
+
+        Args:
+            plan: The plan.
+            playables: What ``playables`` gave for it, None to ask again.
+        """
+        takes = self.playables(plan) if playables is None else playables
         locks = self._clinical.locks(plan.patient)
         said = [locks[mode] for mode in dict.fromkeys(item.mode for item in plan.items) if mode in locks]
-        for number, (item, take) in enumerate(zip(plan.items, self.playables(plan), strict=True), start=1):
+        for number, (item, take) in enumerate(zip(plan.items, takes, strict=True), start=1):
             if take is None:
                 words = self._exercises.get(item.exercise).words
                 said.append(f"Item {number}, {words}: no approved take yet.")
         return tuple(said)
+
+    def _approved(self, take: str) -> TakeRow | None:
+        """The take that an item names, None where it is gone or not approved."""
+        row = self._takes.shelf.named(take)
+        return row if row is not None and row.approved_by is not None else None
 
     def _check(self, item: PlanItem) -> None:
         """Refuse an item whose exercise or take the clinic does not have.
@@ -133,14 +146,6 @@ class Plans:
             if row.exercise != known.name:
                 value = f"of {row.exercise}"
                 raise Refused(f"take {row.id}", value, f"of {known.name}", "choose a take of the exercise")
-
-
-def _played(item: PlanItem, approved: list[TakeRow], side: Side) -> TakeRow | None:
-    """The named take, else the newest of the exercise, of that side first; ``approved`` is newest first."""
-    if item.take:
-        return next((row for row in approved if row.id == item.take), None)
-    fitting = [row for row in approved if row.exercise == item.exercise]
-    return min(fitting, key=lambda row: row.side != side, default=None)
 
 
 def _plan(row: PatientEntry) -> Plan:

@@ -87,7 +87,7 @@ class SessionPlans:
 
     def _proposed(self, plan: Plan, part: Part, locks: dict[str, str]) -> list[Choice]:
         """The usual order for the newest approved take of each exercise, of the patient's side first."""
-        names = dict.fromkeys(row.exercise for row in self._takes.list() if row.approved_by is not None)
+        names = self._takes.shelf.counts(approved=True)
         return [
             replace(self._choice(plan, replace(_PROPOSED[part], exercise=name), locks), prescribed=False)
             for name in names

@@ -20,6 +20,7 @@ from rehab_app.services.calibrations import Calibrations, Hands
 from rehab_app.services.patients import side_named
 from rehab_app.services.recording_request import RecordingRequest
 from rehab_app.services.rows import ImportedSummary, TakeRow
+from rehab_app.services.take_shelf import TakeShelf, take_row
 from rehab_app.services.take_sources import Listeners, Recorded, import_take, record_take, worth_keeping
 from rehab_app.tracking.bare_hand import PROTOCOL as BARE_HAND
 from sessions.catalogue import Approval, Catalogue, Take
@@ -53,6 +54,9 @@ class Takes:
         calibrations: Calibrated cameras.
         hands: Known hands.
         stamp: Gives the JSON that says which station this is and how its clock stands.
+
+    Attributes:
+        shelf: Takes as lists show them.
     """
 
     def __init__(
@@ -70,6 +74,7 @@ class Takes:
         self._calibrations = calibrations
         self._hands = hands
         self._stamp = stamp
+        self.shelf = TakeShelf(folder.root, catalogue)
 
     def list(self) -> tuple[TakeRow, ...]:
         """All takes, newest first."""
@@ -281,19 +286,4 @@ class Takes:
 
     def _row(self, take: Take, approved: dict[str, Approval] | None = None) -> TakeRow:
         approval = self._catalogue.approval(take.id) if approved is None else approved.get(take.id)
-        return TakeRow(
-            id=take.id,
-            path=self._folder.root / take.path,
-            sha256=take.sha256,
-            side=take.side,
-            exercise=take.exercise,
-            source=take.source,
-            duration_s=take.duration_s,
-            created_utc_ns=take.created_utc_ns,
-            approved_by=None if approval is None else approval.by,
-            parent=take.parent,
-            author=take.author,
-            reason=take.reason,
-            subject=take.subject_id,
-            retouch=take.retouch,
-        )
+        return take_row(self._folder.root, take, approval)

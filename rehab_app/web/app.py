@@ -30,6 +30,7 @@ from rehab_app.web.library_routes import library_routes
 from rehab_app.web.meters import Meters
 from rehab_app.web.pages import (
     backup,
+    choices,
     entry,
     languages,
     live,
@@ -155,7 +156,8 @@ def _live_routes() -> list[BaseRoute]:
 
     return [
         Route("/live", page(live.live), methods=["GET"]),
-        Route("/live/takes", page(live.takes), methods=["GET"]),
+        Route("/live/takes", page(choices.takes), methods=["GET"]),
+        Route("/live/patients", page(choices.patients), methods=["GET"]),
         Route("/live/cameras", page(live.cameras, "record"), methods=["GET"]),
         does("beat", live.beat, "view"),
         does("record", live.record, "record"),

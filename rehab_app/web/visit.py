@@ -27,7 +27,7 @@ _KEPT_S = 1800
 QUIET = frozenset(("/live/beat",))
 LOCKED = 423
 _SUBJECTS = ("patient", "recording")
-_LISTS = frozenset(("/patients", "/takes", "/sessions"))
+_LISTS = frozenset(("/patients", "/takes", "/sessions", "/live/patients"))
 _LONGEST_PATH, _LONGEST_SUBJECT = 120, 40
 
 

@@ -30,6 +30,7 @@ from sessions.catalogue.records import (
     User,
 )
 from sessions.catalogue.stations_records import ClockTrip, PatientClaim, Station
+from sessions.catalogue.take_filter import TakeFilter, TakeWord
 
 __all__ = [
     "ENTRY_KINDS",
@@ -61,6 +62,8 @@ __all__ = [
     "SignIn",
     "Station",
     "Take",
+    "TakeFilter",
+    "TakeWord",
     "TherapySession",
     "User",
 ]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from sessions.catalogue.beginnings import Beginnings
 from sessions.catalogue.calibrations import Calibrations
+from sessions.catalogue.choices import Choices
 from sessions.catalogue.clinic import Book
 from sessions.catalogue.clinical import Clinical
 from sessions.catalogue.copying import Copying
@@ -29,6 +30,7 @@ class Catalogue(
     People,
     SignIns,
     Takes,
+    Choices,
     Therapy,
     Clinical,
     Book,

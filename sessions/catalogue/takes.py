@@ -105,9 +105,15 @@ class Takes(Ledger):
         with self._writing() as session:
             session.add(ApprovalRow(take_row(session, take).id, by.strip(), self._clock_ns(), _NO_FILE))
 
-    def approvals(self) -> dict[str, Approval]:
-        """The approvals that hold now, by the id of their take: one query for a whole list."""
+    def approvals(self, takes: tuple[str, ...] | None = None) -> dict[str, Approval]:
+        """The approvals that hold now, by the id of their take: one query for a whole list.
+
+        Args:
+            takes: Ids of the few takes that are meant, None for all.
+        """
         newest = select(func.max(ApprovalRow.id)).join(TakeRow, TakeRow.id == ApprovalRow.take)
+        if takes is not None:
+            newest = newest.where(ApprovalRow.take.in_(takes))
         known = newest.where(ApprovalRow.digest.in_((TakeRow.sha256, _NO_FILE))).group_by(ApprovalRow.take)
         with self._reading() as session:
             rows = values_of(session, Approval, select(ApprovalRow).where(ApprovalRow.id.in_(known)))

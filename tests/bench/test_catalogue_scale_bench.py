@@ -49,15 +49,19 @@ MUST = {
     "sessions of a patient": (f"/patients/{BUSY}/sessions", "/patients/P-0042/sessions"),
     "journal of a patient": ("/patients/P-0042/journal",),
     "limits of a patient": ("/patients/P-0042/limits",),
+    "live": ("/live", "/live?patient=P-0777"),
+    "live: a patient is searched": ("/live/patients?find=luczak", "/live/patients?find=14.3.1957"),
+    "live: a take is searched": ("/live/takes?find=pinch+left", "/live/takes?find=rossi"),
+    "all takes": ("/takes", "/takes?page=99999", "/takes?exercise=pinch&approval=approved"),
+    "takes: search": ("/takes?find=pinch+rossi", "/takes?find=left"),
+    "plan of a patient": ("/patients/P-0042/plan", "/patients/P-0042/plan?add=open_close"),
+    "an exercise": ("/exercises/open_close",),
 }
 BESIDE = {
-    "plan of a patient": ("/patients/P-0042/plan",),
     "progress of 200 sessions": (f"/patients/{BUSY}/progress",),
     "the clinic": ("/clinic",),
     "all sessions": ("/sessions",),
-    "all takes": ("/takes",),
     "the audit": ("/clinic/audit",),
-    "live": ("/live",),
 }
 
 

@@ -117,6 +117,7 @@ NO_PICTURE = {
     "GET /prescribe": "leads to the plan of the patient who was chosen, as patient-plan-item",
     "GET /mine/state": "answers a script",
     "GET /live/takes": "answers a script",
+    "GET /live/patients": "answers a script",
     "GET /live/cameras": "answers a script",
     "GET /live/limits": "answers a script",
     "GET /live/session/choices": "answers a script",

@@ -252,22 +252,19 @@ function link(name, path) {
 
 async function listTakes(chosen) {
   knownTake = now.take;
-  const answer = await fetch("/live/takes", { headers: { Accept: "application/json" } });
-  if (!answer.ok) return;
   const list = document.querySelector("select[name=take]");
   const kept = chosen || list.value;
-  const rows = await answer.json();
+  const query = new URLSearchParams({ keep: kept, take: now.take });
+  const answer = await fetch("/live/takes?" + query, { headers: { Accept: "application/json" } });
+  if (!answer.ok) return;
+  const { rows, total, take: mine } = await answer.json();
   const approve = document.querySelector("[data-do=approve]");
-  const mine = rows.find((row) => row.id === now.take);
   if (approve && mine) {
     approve.disabled = Boolean(mine.approved_by);
     approve.textContent = mine.approved_by ? "✓ " + WORDS.approved : "✓ " + WORDS.approve;
   }
-  const options = rows.filter((row) => row.approved_by).map((row) => {
-    const words = `${row.words}, ${WORDS["short " + row.side] ?? row.side}, ${row.seconds.toFixed(1)} s (${row.id.slice(0, 8)})`;
-    return new Option(words, row.id, false, row.id === kept);
-  });
-  if (options.length) list.replaceChildren(...options);
+  if (rows.length) list.replaceChildren(...rows.map((row) => new Option(row.shown, row.id, false, row.id === kept)));
+  document.querySelector("[data-chooser=take]").hidden = total <= rows.length;
   if (chosen) choose(byId("tab-play"));
 }
 

@@ -10,8 +10,12 @@ from rehab_app.errors import Refused
 from rehab_app.services.exercise_records import PURPOSES
 from rehab_app.services.exercises import holds
 from rehab_app.web.language import _
+from rehab_app.web.pages.choices import patient_choices
 from rehab_app.web.visit import Visit
 from rehab_app.web.words import MODES
+from sessions.catalogue import TakeFilter
+
+_TAKES = 8
 
 
 def exercises(visit: Visit) -> Response:
@@ -42,8 +46,8 @@ def exercise(visit: Visit) -> Response:
         purposes=PURPOSES,
         modes=MODES,
         side=side if side in ("left", "right") else "right",
-        takes=[row for row in clinic.takes.list() if row.exercise == shown.name],
-        patients=clinic.patients.list() if visit.account.may("prescribe") else (),
+        takes=clinic.takes.shelf.find(TakeFilter(exercise=shown.name), on_a_page=_TAKES).takes,
+        patients=patient_choices(visit) if visit.account.may("prescribe") else None,
     )
 
 
@@ -67,9 +71,6 @@ def _list(visit: Visit, sentence: str = "") -> Response:
     purpose = visit.request.query_params.get("purpose", "")
     known = purpose if purpose in PURPOSES else ""
     clinic = visit.site.clinic
-    counted: dict[str, int] = {}
-    for row in clinic.takes.list():
-        counted[row.exercise] = counted.get(row.exercise, 0) + 1
     return visit.page(
         "exercises.html.j2",
         say=_,
@@ -79,7 +80,7 @@ def _list(visit: Visit, sentence: str = "") -> Response:
             for one in clinic.exercises.list(purpose=known)
             if holds(f"{_(one.words)} {_(one.purpose)} {_(one.joints)} {one.name}", words)
         ],
-        counted=counted,
+        counted=clinic.takes.shelf.counts(),
         words=words,
         purpose=known,
         purposes=PURPOSES,

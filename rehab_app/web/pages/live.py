@@ -11,9 +11,10 @@ from rehab_app.services.recording_request import LIVE_KINDS, PROTOCOL, VIRTUAL
 from rehab_app.web.language import _
 from rehab_app.web.live_state import live_state
 from rehab_app.web.pages.asked import number
+from rehab_app.web.pages.choices import patient_choices, take_choices
 from rehab_app.web.pages.first_steps import first_steps
 from rehab_app.web.visit import Visit
-from rehab_app.web.words import EXERCISES, MODES, ROBOTS, SPACES, TWINS
+from rehab_app.web.words import MODES, ROBOTS, SPACES, TWINS
 
 _MILLIMETRES = "a number of millimetres"
 _SECONDS = ("recording length", "a number of seconds")
@@ -21,20 +22,22 @@ _SECONDS = ("recording length", "a number of seconds")
 
 def live(visit: Visit) -> Response:
     """The page itself: shell panel, viewport, state bar."""
-    clinic = visit.site.clinic
+    clinic, asked = visit.site.clinic, visit.request.query_params
+    chosen_patient = asked.get("patient", "")
+    chosen_take = asked.get("take", "")
     return visit.page(
         "live.html.j2",
         exercises=clinic.takes.exercises(),
         protocols=clinic.takes.protocols(),
-        takes=clinic.takes.list(),
-        patients=clinic.patients.list(),
+        takes=take_choices(visit, kept=chosen_take),
+        patients=patient_choices(visit, kept=chosen_patient),
         modes=MODES,
         twins=TWINS,
         robots=ROBOTS,
         spaces=SPACES,
-        chosen_patient=visit.request.query_params.get("patient", ""),
-        chosen_take=visit.request.query_params.get("take", ""),
-        chosen_exercise=visit.request.query_params.get("exercise", "") or "open_close",
+        chosen_patient=chosen_patient,
+        chosen_take=chosen_take,
+        chosen_exercise=asked.get("exercise", "") or "open_close",
         skin=SKIN,
         swelling=SWELLING,
         first=first_steps(visit),
@@ -53,23 +56,6 @@ def beat(visit: Visit) -> Response:
     if site.operator.is_(visit.asked("page")) and visit.account.may("play"):
         site.clinic.live.operator_beat()
     return state(visit)
-
-
-def takes(visit: Visit) -> Response:
-    """Takes for the two lists of the page, after one was recorded or approved."""
-    rows = visit.site.clinic.takes.list()
-    return JSONResponse(
-        [
-            {
-                "id": row.id,
-                "words": EXERCISES.get(row.exercise, row.exercise),
-                "side": row.side,
-                "seconds": row.duration_s,
-                "approved_by": row.approved_by,
-            }
-            for row in rows
-        ]
-    )
 
 
 def record(visit: Visit) -> Response:

@@ -13,6 +13,7 @@ from rehab_app.services.plan_items import MOST_PER_WEEK, Plan, PlanItem
 from rehab_app.services.rows import TakeRow
 from rehab_app.web.language import _
 from rehab_app.web.pages.asked import choice, whole
+from rehab_app.web.pages.choices import take_choices
 from rehab_app.web.pages.patient_tabs import patient_head
 from rehab_app.web.pages.plan_form import PART_WORDS, SUPPORT_WORDS, item_of, shown_item, typed_item
 from rehab_app.web.visit import Visit
@@ -122,6 +123,7 @@ def _page(
 ) -> Response:
     clinic = visit.site.clinic
     patient = clinic.patients.get(current.patient)
+    playables = clinic.plans.playables(current)
     usual = {
         "sessions_per_week": str(current.sessions_per_week),
         "goal": current.goal,
@@ -134,15 +136,15 @@ def _page(
         patient=patient,
         head=patient_head(visit, patient, "plan"),
         plan=current,
-        shown=_shown(visit, current, patient.side),
-        notes=clinic.plans.notes(current),
+        shown=_shown(visit, current, playables, patient.side),
+        notes=clinic.plans.notes(current, playables),
         history=clinic.plans.history(patient.id, _VERSIONS),
         item=item,
         frame=frame or usual,
         framing=frame is not None,
         sentence=sentence,
         exercises=clinic.exercises.list(),
-        takes=[row for row in clinic.takes.list() if row.approved_by is not None],
+        takes=None if item is None else take_choices(visit, kept=item["take"], exercise=item["exercise"]),
         modes=MODES,
         parts=PART_WORDS,
         supports=SUPPORT_WORDS,
@@ -150,11 +152,11 @@ def _page(
     )
 
 
-def _shown(visit: Visit, current: Plan, side: str) -> list[ShownItem]:
+def _shown(visit: Visit, current: Plan, playables: tuple[TakeRow | None, ...], side: str) -> list[ShownItem]:
     clinic = visit.site.clinic
     return [
         ShownItem(item, clinic.exercises.words(item.exercise), take, take is not None and take.side != side)
-        for item, take in zip(current.items, clinic.plans.playables(current), strict=True)
+        for item, take in zip(current.items, playables, strict=True)
     ]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from urllib.parse import urlencode
 
 from starlette.responses import Response
 
@@ -11,13 +12,14 @@ from rehab_app.services.rows import TakeRow
 from rehab_app.services.take_chart import joint_chart
 from rehab_app.services.take_quality import TakeQuality, quality_of
 from rehab_app.web.language import _
+from rehab_app.web.pages.choices import take_words
 from rehab_app.web.pages.recordings import catalogue_id
 from rehab_app.web.pages.retouch_form import DIGIT_CHOICES, SMOOTHING, done_to, plain_form, wish_of
 from rehab_app.web.visit import Visit
-from sessions.catalogue import Patient
+from sessions.catalogue import Patient, TakeFilter
 
-_FILTERS = ("exercise", "side", "approval", "patient")
-_ON_A_PAGE = 200
+_FILTERS = ("find", "exercise", "side", "approval", "patient")
+_APPROVAL = {"approved": True, "waiting": False}
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,21 +38,27 @@ class Mirroring:
 
 
 def takes(visit: Visit) -> Response:
-    """Takes, the newest first, those that the filters let through; the filters narrow what is too many."""
-    clinic = visit.site.clinic
-    rows = clinic.takes.list()
-    asked = {name: visit.request.query_params.get(name, "") for name in _FILTERS}
-    subjects = {row.subject for row in rows}
-    patients = {one.id: one for one in clinic.patients.list() if one.id in subjects}
-    found = [row for row in rows if _passes(row, asked)]
+    """Takes, the newest first, those that the filters let through, page by page."""
+    shelf, query = visit.site.clinic.takes.shelf, visit.request.query_params
+    asked = {name: query.get(name, "").strip()[:160] for name in _FILTERS}
+    number = query.get("page", "1")
+    page = int(number) if number.isascii() and number.isdecimal() and len(number) < 7 else 1
+    found, counts = shelf.find(_wanted(visit, asked), page), shelf.counts()
+    people = shelf.people(found.takes)
+
+    def link(page: int) -> str:
+        values = {**asked, "page": str(page) if page > 1 else ""}
+        return "/takes?" + urlencode({name: value for name, value in values.items() if value})
+
     return visit.page(
         "takes.html.j2",
-        takes=[(row, _mirrored(patients.get(row.subject), row)) for row in found[:_ON_A_PAGE]],
-        found=len(found),
-        total=len(rows),
+        takes=[(row, _mirrored(people.get(row.subject), row)) for row in found.takes],
+        found=found,
+        total=sum(counts.values()),
         asked=asked,
-        exercises=sorted({row.exercise for row in rows} | ({asked["exercise"]} - {""})),
-        patients=patients.values(),
+        link=link,
+        exercises=sorted({*counts} | ({asked["exercise"]} - {""})),
+        patients=_hands(visit, asked["patient"]),
     )
 
 
@@ -127,7 +135,7 @@ def _take_page(visit: Visit, sentence: str = "", wrong: str = "") -> Response:
         mirroring=_mirroring(visit, row),
         withdrawal=clinic.approvals.withdrawal(row.id),
         done=done_to(row.retouch),
-        children=[one for one in clinic.takes.list() if one.parent == row.id],
+        children=clinic.takes.shelf.find(TakeFilter(parent=row.id)).takes,
         smoothing=SMOOTHING,
         digits=DIGIT_CHOICES,
         asked=plain_form(visit),
@@ -144,11 +152,23 @@ def _quality(visit: Visit, row: TakeRow) -> TakeQuality | None:
         return None
 
 
-def _passes(row: TakeRow, asked: dict[str, str]) -> bool:
-    """Whether a take is what the filters ask for; an empty one asks for nothing."""
-    approval = "approved" if row.approved_by is not None else "waiting"
-    met = {"exercise": row.exercise, "side": row.side, "approval": approval, "patient": row.subject}
-    return all(not wanted or wanted == met[name] for name, wanted in asked.items())
+def _wanted(visit: Visit, asked: dict[str, str]) -> TakeFilter:
+    """What the filters ask for; an empty one asks for nothing."""
+    return TakeFilter(
+        exercise=asked["exercise"],
+        side=asked["side"],
+        approved=_APPROVAL.get(asked["approval"]),
+        subject=asked["patient"],
+        words=take_words(visit, asked["find"]),
+    )
+
+
+def _hands(visit: Visit, chosen: str) -> tuple[Patient, ...]:
+    """Whose hands can be filtered for: everybody where they are few, else the one who is chosen already."""
+    few = visit.site.clinic.takes.shelf.demonstrators()
+    if few or not chosen:
+        return few
+    return visit.site.clinic.catalogue.patients_named((chosen,))
 
 
 def _mirroring(visit: Visit, row: TakeRow) -> Mirroring | None:

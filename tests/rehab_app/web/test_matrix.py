@@ -47,8 +47,8 @@ TABLE = {
     """,
     "audit": "GET /clinic/audit; GET /clinic/audit.csv",
     "view": """
-        GET /live; GET /live/takes; POST /live/beat; GET /live/limits; GET /live/session/choices
-        GET /patients
+        GET /live; GET /live/takes; GET /live/patients; POST /live/beat; GET /live/limits
+        GET /live/session/choices; GET /patients
         GET /patients/{patient}; GET /patients/{patient}/diagnosis; POST /patients/{patient}/lock
         GET /patients/{patient}/limits; GET /patients/{patient}/outcomes; GET /patients/{patient}/journal
         GET /patients/{patient}/assessments

@@ -173,7 +173,7 @@ def test_a_patients_account_reads_of_no_patient(own, line):
 
 
 @pytest.mark.parametrize(
-    "path", ["/live/view/", "/review/{take}/view/", "/live", "/live/takes", "/live/limits"]
+    "path", ["/live/view/", "/review/{take}/view/", "/live", "/live/takes", "/live/patients", "/live/limits"]
 )
 def test_the_live_picture_is_not_for_a_patients_account(own, path):
     own.accounts.change_role("patient", "patient", CONSOLE, "P-0001")
