@@ -8,13 +8,12 @@ import queue
 import threading
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from queue import SimpleQueue
 from typing import TypeAlias
 
 from rehab_app.access import Account, require
-from rehab_app.errors import Refused
+from rehab_app.services.audit_chain import AuditChain, ChainState
 from sessions.catalogue import AuditFilter, AuditRow, Catalogue
 
 VIEW = "view"
@@ -27,21 +26,6 @@ _RISKY = ("=", "+", "-", "@", "\t", "\r")
 _Waiting: TypeAlias = tuple[str, str, str, str]
 
 
-@dataclass(frozen=True, slots=True)
-class ChainState:
-    """What following the whole chain gave.
-
-    Attributes:
-        rows: Rows that follow from each other.
-        head: Hash of the newest; kept elsewhere, it shows later that no row was cut off the end.
-        problem: Where the chain breaks, "" where it does not.
-    """
-
-    rows: int
-    head: str
-    problem: str
-
-
 class Audit:
     """Writes audit rows, and reads them for those who may.
 
@@ -51,6 +35,8 @@ class Audit:
 
     def __init__(self, catalogue: Catalogue) -> None:
         self._catalogue = catalogue
+        self._chain = AuditChain(catalogue)
+        self._words: tuple[frozenset[str], frozenset[str], int] = (frozenset(), frozenset(), 0)
         self._later: SimpleQueue[_Waiting | None] = SimpleQueue()
         self._thread: threading.Thread | None = None
         self._viewed: dict[tuple[str, str, str], float] = {}
@@ -88,13 +74,16 @@ class Audit:
         return self._catalogue.find_audit(wanted, start, count)
 
     def words(self, actor: Account) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Persons and verbs that the audit knows.
+        """Persons and verbs that the audit knows, in order: those known before and those of rows added since.
 
         Raises:
             Refused: The actor may not read the audit.
         """
         require(actor, "audit")
-        return self._catalogue.audit_words()
+        persons, verbs, newest = self._words
+        more_persons, more_verbs, newest = self._catalogue.audit_words(newest)
+        self._words = (persons | more_persons, verbs | more_verbs, newest)
+        return tuple(sorted(self._words[0])), tuple(sorted(self._words[1]))
 
     def csv(self, actor: Account, wanted: AuditFilter) -> str:
         """The rows that fit as CSV, newest first; leaves a row itself.
@@ -114,12 +103,20 @@ class Audit:
             Refused: The actor may not read the audit.
         """
         require(actor, "audit")
-        try:
-            rows = self._catalogue.verify_audit()
-        except Refused as refusal:
-            return ChainState(0, "", str(refusal))
-        newest = self._catalogue.audit(1)
-        return ChainState(rows, newest[0].hash if newest else "", "")
+        return self._chain.whole()
+
+    def look(self, actor: Account, shown: Iterable[AuditRow]) -> ChainState:
+        """Whether the chain is whole: see ``AuditChain.look``.
+
+        Args:
+            actor: Who asks.
+            shown: Rows that are shown beside the answer, newest first.
+
+        Raises:
+            Refused: The actor may not read the audit.
+        """
+        require(actor, "audit")
+        return self._chain.look(shown)
 
     def start(self) -> None:
         """Start the thread that writes what was put off."""

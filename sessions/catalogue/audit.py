@@ -5,9 +5,26 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from sessions.catalogue.records import AuditRow
 from sessions.errors import Refused
+
+
+@dataclass(frozen=True, slots=True)
+class ChainEnd:
+    """How far a chain was followed.
+
+    Attributes:
+        rows: Rows that follow from each other, from the first.
+        head: Hash of the last of them, empty where there is none.
+    """
+
+    rows: int = 0
+    head: str = ""
+
+
+START = ChainEnd()
 
 
 def chained(
@@ -35,22 +52,44 @@ def digest(seq: int, utc_ns: int, actor: str, verb: str, subject: str, detail: s
     return hashlib.sha256(content.encode()).hexdigest()
 
 
-def verify(rows: Iterable[AuditRow]) -> int:
-    """Follow the chain and count its rows.
+def follow(rows: Iterable[AuditRow], after: ChainEnd = START) -> ChainEnd:
+    """Follow the chain.
+
+    Args:
+        rows: Rows in their order, the first of which follows ``after``.
+        after: How far the chain was followed before.
+
+    Returns:
+        Its new end.
 
     Raises:
         Refused: A row does not follow from the one before it.
     """
-    before, expected = "", 0
+    before, expected = after.head, after.rows
     for row in rows:
         expected += 1
-        own = digest(row.seq, row.utc_ns, row.actor, row.verb, row.subject, row.detail, row.previous_hash)
-        if row.seq != expected or row.previous_hash != before or row.hash != own:
-            raise Refused(
-                f"audit row {row.seq}",
-                "not what was written",
-                f"row {expected} of an unbroken chain",
-                "restore the data base from a backup and find out who changed it",
-            )
+        if row.seq != expected or row.previous_hash != before or not is_itself(row):
+            raise broken(row.seq, expected)
         before = row.hash
-    return expected
+    return ChainEnd(expected, before)
+
+
+def is_itself(row: AuditRow) -> bool:
+    """Whether a row's hash is that of what it says."""
+    own = digest(row.seq, row.utc_ns, row.actor, row.verb, row.subject, row.detail, row.previous_hash)
+    return row.hash == own
+
+
+def broken(seq: int, expected: int) -> Refused:
+    """What is said of a row that is not what was written.
+
+    Args:
+        seq: Its number.
+        expected: The number that it must have.
+    """
+    return Refused(
+        f"audit row {seq}",
+        "not what was written",
+        f"row {expected} of an unbroken chain",
+        "restore the data base from a backup and find out who changed it",
+    )

@@ -7,8 +7,10 @@ from dataclasses import fields
 from typing import Any
 
 from sqlalchemy import ColumnElement, func, select
+from sqlalchemy.orm import Session
 
 from sessions.catalogue import audit
+from sessions.catalogue.audit import START, ChainEnd
 from sessions.catalogue.audit_filter import AuditFilter
 from sessions.catalogue.ledger import Ledger
 from sessions.catalogue.records import AuditRow
@@ -55,12 +57,18 @@ class Trail(Ledger):
             rows = session.scalars(query.offset(start).limit(count))
             return tuple(value_of(AuditRow, row) for row in rows), total
 
-    def audit_words(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Actors and verbs of the audit, each once and in order."""
+    def audit_words(self, after: int = 0) -> tuple[frozenset[str], frozenset[str], int]:
+        """Actors and verbs of the audit, and the number of its newest row.
+
+        Args:
+            after: Only of rows with a higher number; by default of all.
+        """
+        newer = AuditTableRow.seq > after
         with self._reading() as session:
-            actors = session.scalars(select(AuditTableRow.actor).distinct())
-            verbs = session.scalars(select(AuditTableRow.verb).distinct())
-            return tuple(sorted(actors)), tuple(sorted(verbs))
+            newest = session.scalar(select(func.max(AuditTableRow.seq))) or 0
+            actors = session.scalars(select(AuditTableRow.actor).where(newer).distinct())
+            verbs = session.scalars(select(AuditTableRow.verb).where(newer).distinct())
+            return frozenset(actors), frozenset(verbs), newest
 
     def verify_audit(self) -> int:
         """Follow the whole chain and count its rows.
@@ -68,11 +76,46 @@ class Trail(Ledger):
         Raises:
             Refused: A row was changed, removed or slipped in.
         """
+        return self.follow_audit().rows
+
+    def follow_audit(self, after: ChainEnd = START) -> ChainEnd:
+        """Follow the chain from where it was followed before.
+
+        What was followed before must still have as many rows, and the last of them must be the same; whether
+        one between was changed meanwhile, only following the whole chain tells.
+
+        Args:
+            after: How far it was followed before; by default from its beginning.
+
+        Returns:
+            Its end now.
+
+        Raises:
+            Refused: A row that follows, or the last of those before, was changed, removed or slipped in.
+        """
         columns = (getattr(AuditTableRow, field.name) for field in fields(AuditRow))
         # a chain of years is read in pieces, and no row object is made of it
         query = select(*columns).order_by(AuditTableRow.seq).execution_options(yield_per=1000)
-        with self._reading() as session, session.execute(query) as rows:
-            return audit.verify(AuditRow(**row) for row in rows.mappings())
+        with self._reading() as session:
+            if after.rows:
+                _check_end(session, after)
+                query = query.where(AuditTableRow.seq > after.rows)
+            with session.execute(query) as rows:
+                return audit.follow((AuditRow(**row) for row in rows.mappings()), after)
+
+
+def _check_end(session: Session, end: ChainEnd) -> None:
+    """Refuse a chain whose followed part has other rows than it had, or another end.
+
+    Raises:
+        Refused: It has.
+    """
+    followed = select(func.count()).select_from(AuditTableRow).where(AuditTableRow.seq <= end.rows)
+    last = session.get(AuditTableRow, end.rows)
+    if last is None or last.hash != end.head or not audit.is_itself(value_of(AuditRow, last)):
+        raise audit.broken(end.rows, end.rows)
+    if session.scalar(followed) != end.rows:
+        raise audit.broken(end.rows, end.rows)
 
 
 def _table_row(row: AuditRow) -> AuditTableRow:

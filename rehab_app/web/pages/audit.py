@@ -27,6 +27,7 @@ def audit(visit: Visit) -> Response:
         wanted, sentence = AuditFilter(), str(refusal)
     rows, total = service.find(visit.account, wanted, _ROWS * (page - 1), _ROWS)
     persons, verbs = service.words(visit.account)
+    whole = visit.request.query_params.get("whole", "") == "yes"
     return visit.page(
         "audit.html.j2",
         status=400 if sentence else 200,
@@ -38,7 +39,7 @@ def audit(visit: Visit) -> Response:
         verbs=verbs,
         asked=asked,
         query=urlencode({key: value for key, value in asked.items() if value}),
-        chain=service.state(visit.account),
+        chain=service.state(visit.account) if whole else service.look(visit.account, rows),
         sentence=sentence,
     )
 
