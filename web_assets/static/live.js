@@ -350,7 +350,7 @@ async function listCameras() {
   cameras = await answer.json();
   const kept = cameraList.value;
   cameraList.replaceChildren(...cameras.map((one) => {
-    const option = new Option(one.ready ? one.words : `${one.words} (${one.state})`, one.id, false, one.id === kept);
+    const option = new Option(one.ready ? one.words : `${one.words} (${one.state_words})`, one.id, false, one.id === kept);
     option.disabled = !one.ready;
     return option;
   }));

@@ -11,6 +11,7 @@ from rehab_app.services.devices import BOARD_KINDS
 from rehab_app.web.language import _
 from rehab_app.web.visit import Visit
 from rehab_app.web.words import ROBOTS
+from rehab_app.web.words_cameras import STATES, camera_remedy
 
 _MEDIA = {"pdf": "application/pdf", "svg": "image/svg+xml"}
 
@@ -23,6 +24,8 @@ def devices(visit: Visit) -> Response:
         "devices.html.j2",
         say=_,
         cameras=clinic.devices.cameras(),
+        states=STATES,
+        remedy=camera_remedy,
         robots=clinic.devices.robots(),
         advice=clinic.devices.advice(),
         names=ROBOTS,

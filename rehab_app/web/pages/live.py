@@ -15,6 +15,7 @@ from rehab_app.web.pages.choices import patient_choices, take_choices
 from rehab_app.web.pages.first_steps import first_steps
 from rehab_app.web.visit import Visit
 from rehab_app.web.words import MODES, ROBOTS, SPACES, TWINS
+from rehab_app.web.words_cameras import STATES, camera_label, camera_remedy
 
 _MILLIMETRES = "a number of millimetres"
 _SECONDS = ("recording length", "a number of seconds")
@@ -81,11 +82,12 @@ def cameras(visit: Visit) -> Response:
         [
             {
                 "id": one.id,
-                "words": one.label,
+                "words": camera_label(one.label),
                 "ready": one.state == "ready",
                 "state": one.state,
+                "state_words": _(STATES[one.state]),
                 "has_depth": one.has_depth,
-                "remedy": one.remedy,
+                "remedy": camera_remedy(one.remedy),
             }
             for one in visit.site.clinic.takes.cameras()
         ]

@@ -12,7 +12,7 @@ def test_cameras_are_listed_with_what_they_lack(browser):
     assert rows[0]["id"] == "virtual"
     assert rows[0]["ready"]
     for row in rows:
-        assert set(row) == {"id", "words", "ready", "state", "has_depth", "remedy"}
+        assert set(row) == {"id", "words", "ready", "state", "state_words", "has_depth", "remedy"}
         assert row["ready"] or row["remedy"]
 
 
