@@ -114,10 +114,9 @@ class Devices:
 
     def _last_fit(self, device: str) -> FitCheck | None:
         """The newest fit check among the patients who were treated last."""
-        seen = dict.fromkeys(row.patient for row in self._catalogue.sessions() if row.patient)
         found = [
             rows[0]
-            for patient in list(seen)[:_LOOKED_THROUGH]
+            for patient in self._catalogue.lately_treated()[:_LOOKED_THROUGH]
             if (rows := self._catalogue.fit_checks(patient, device))
         ]
         return max(found, key=lambda row: row.created_utc_ns, default=None)

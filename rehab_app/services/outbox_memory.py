@@ -100,6 +100,10 @@ class RememberingCatalogue(Catalogue):
         """As the catalogue says, or said last."""
         return self._known(super().recent_patients, count)
 
+    def lately_treated(self) -> tuple[str, ...]:
+        """As the catalogue says, or said last."""
+        return self._known(super().lately_treated)
+
     def find_takes(self, wanted: TakeFilter, start: int, count: int) -> tuple[tuple[Take, ...], int]:
         """As the catalogue says, or said last; those that wait come first, on the first page."""
         found, total = self._known(super().find_takes, wanted, start, count)

@@ -42,6 +42,12 @@ class Choices(Ledger):
                 found += values_of(session, Patient, query.where(PatientRow.id.in_(part)))
             return tuple(sorted(found, key=lambda one: -latest_ns[one.id])[:count]), total
 
+    def lately_treated(self) -> tuple[str, ...]:
+        """Pseudonyms of the patients of the newest sessions, the last one first."""
+        with self._reading() as session:
+            rows = session.execute(_newest_treated())
+            return tuple(dict.fromkeys(patient for patient, _ in rows if patient))
+
     def find_takes(self, wanted: TakeFilter, start: int, count: int) -> tuple[tuple[Take, ...], int]:
         """Takes that fit, newest first, and how many fit in all."""
         asked = (wanted.exercise, wanted.side, wanted.subject, wanted.parent)
@@ -87,12 +93,6 @@ class Choices(Ledger):
 
 def _latest_ns(session: Session, count: int) -> dict[str, int]:
     """When something was last done about a patient, UTC ns; of those about whom something was done lately."""
-    treated = (
-        select(TherapySessionRow.patient, TherapySessionRow.started_utc_ns)
-        .where(TherapySessionRow.patient.is_not(None))
-        .order_by(TherapySessionRow.started_utc_ns.desc())
-        .limit(_NEWEST_SESSIONS)
-    )
     newest = (
         select(PatientEntryRow.patient, PatientEntryRow.created_utc_ns, PatientEntryRow.kind)
         .order_by(PatientEntryRow.id.desc())
@@ -107,10 +107,20 @@ def _latest_ns(session: Session, count: int) -> dict[str, int]:
         .limit(count)
     )
     latest: dict[str, int] = {}
-    for query in (treated, prescribed, added):
+    for query in (_newest_treated(), prescribed, added):
         for patient, utc_ns in session.execute(query):
             latest[patient] = max(utc_ns, latest.get(patient, 0))
     return latest
+
+
+def _newest_treated() -> Select[str | None, int]:
+    """Patients of the newest sessions and when those began, newest first."""
+    return (
+        select(TherapySessionRow.patient, TherapySessionRow.started_utc_ns)
+        .where(TherapySessionRow.patient.is_not(None))
+        .order_by(TherapySessionRow.started_utc_ns.desc())
+        .limit(_NEWEST_SESSIONS)
+    )
 
 
 def _approved() -> Select[Any]:

@@ -47,6 +47,8 @@ def test_of_many_those_whom_somebody_works_with_come_first(catalogue: Catalogue)
     catalogue.add_entry(PatientEntry(patient=made[9], kind="plan", content="{}", by="anna"))
     gone = catalogue.patient(made[29])
     catalogue.change_patient(Patient(id=gone.id, side="left", archived=True, version=gone.version))
+    session(catalogue, made[3], "older", later_ns - 1)
+    assert catalogue.lately_treated() == (made[5], made[3])
     rows, total = catalogue.recent_patients(5)
     assert [one.id for one in rows] == [made[5], made[3], made[9], made[28], made[27]]
     assert total == 29
