@@ -192,4 +192,5 @@ def test_a_small_clinic_needs_no_search(browser):
     html = browser("therapist").get("/live").text
     assert not searched(html, "patient")
     assert not searched(html, "whom")
+    assert 'name="find"' not in browser("therapist").get("/takes").text
     assert "/static/choose.js" in html  # a take more, and the field is needed
