@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
 import tempfile
 from pathlib import Path
 
 from rehab_app.cameras.lost import busy
+from sessions.filelock import FileLock, is_locked
 
 
 class CameraLease:
@@ -23,7 +23,7 @@ class CameraLease:
         self._camera = camera
         name = re.sub(r"[^A-Za-z0-9._-]", "_", camera)
         self._path = (_folder() if folder is None else folder) / f"{name}.lock"
-        self._descriptor = -1
+        self._lock = FileLock(self._path)
 
     def take(self) -> None:
         """Take the camera.
@@ -32,36 +32,20 @@ class CameraLease:
             Refused: Another process, or another recording of this one, has it.
         """
         self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            os.close(descriptor)
-            raise busy(f"camera {self._camera}") from None
-        self._descriptor = descriptor
+        if self._lock.held or not self._lock.take():
+            raise busy(f"camera {self._camera}")
 
     def release(self) -> None:
         """Give the camera back; twice does no harm."""
-        if self._descriptor >= 0:
-            os.close(self._descriptor)
-            self._descriptor = -1
+        self._lock.release()
 
     @property
     def is_taken(self) -> bool:
         """Whether somebody has the camera now."""
-        if self._descriptor >= 0:
-            return True
         try:
-            descriptor = os.open(self._path, os.O_RDWR | os.O_CLOEXEC)
+            return is_locked(self._path)
         except FileNotFoundError:
             return False
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return True
-        finally:
-            os.close(descriptor)
-        return False
 
 
 def _folder() -> Path:

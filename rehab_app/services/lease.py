@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 from pathlib import Path
 
 from rehab_app.errors import Refused
+from sessions.filelock import FileLock
 
 
 class ServerLease:
@@ -20,23 +20,17 @@ class ServerLease:
     """
 
     def __init__(self, path: Path) -> None:
-        self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-        try:
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            holder = os.read(self._descriptor, 20).decode("ascii", "replace").strip() or "unknown"
-            os.close(self._descriptor)
+        self._lock = FileLock(path)
+        if not self._lock.take():
+            holder = path.read_text("ascii", "replace")[:20].strip() or "unknown"
             raise Refused(
                 f"clinic folder {path.parent}",
                 f"served by process {holder} already",
                 "free of another server",
                 "use that server, end it, or name another folder with --data",
-            ) from None
-        os.ftruncate(self._descriptor, 0)
-        os.write(self._descriptor, f"{os.getpid()}\n".encode("ascii"))
+            )
+        self._lock.write(f"{os.getpid()}\n")
 
     def release(self) -> None:
         """Give the lock back; twice does no harm."""
-        if self._descriptor >= 0:
-            os.close(self._descriptor)
-            self._descriptor = -1
+        self._lock.release()

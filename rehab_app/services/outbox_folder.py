@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -11,6 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+
+from sessions.filelock import alone
 
 FOLDER = "outbox"
 _ASIDE = "aside"
@@ -152,13 +153,8 @@ class OutboxFolder:
     def delivering(self) -> Generator[bool]:
         """Whether this process is the one that delivers now."""
         self.folder.mkdir(mode=_PRIVATE, exist_ok=True)
-        with (self.folder / ".lock").open("w", encoding="utf-8") as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                yield False
-                return
-            yield True
+        with alone(self.folder / ".lock") as free:
+            yield free
 
     def _linked(self, working: Path) -> Path:
         """Give a file the next number, which no other process can have given at the same moment."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import fcntl
-import os
 import threading
 import time
 from contextlib import suppress
 from pathlib import Path
 
 from rehab_app.errors import Refused
+from sessions.filelock import FileLock, is_locked
 
 FOLDER = "stations"
 _SUFFIX = ".lock"
@@ -30,8 +29,8 @@ class StationMarks:
     def __init__(self, folder: Path, holder: str) -> None:
         self._folder = folder / FOLDER
         self._mine = self._folder / f"{holder}{_SUFFIX}"
-        self._descriptor = -1
-        self._lock = threading.Lock()
+        self._alive = FileLock(self._mine)
+        self._turn = threading.Lock()
 
     def take(self) -> None:
         """Mark this process as alive; twice does no harm.
@@ -39,19 +38,17 @@ class StationMarks:
         Raises:
             Refused: The folder cannot be written.
         """
-        with self._lock:
-            if self._descriptor >= 0:
+        with self._turn:
+            if self._alive.held:
                 return
             try:
                 self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-                descriptor = os.open(self._mine, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+                self._alive.take(wait=True)  # its name is this process's alone: nobody makes it wait
             except OSError as error:
                 said = error.strerror or "an error"
                 remedy = "make the clinic folder writable and free some space"
                 raise Refused("station mark", said, "a file in the clinic folder", remedy) from error
             self._tidy()
-            fcntl.flock(descriptor, fcntl.LOCK_EX)  # its name is this process's alone: nobody makes it wait
-            self._descriptor = descriptor
 
     def gone(self) -> frozenset[str]:
         """Processes that left a mark in this folder and are not alive any more."""
@@ -69,22 +66,14 @@ class StationMarks:
 
     def release(self) -> None:
         """This process holds nothing any more."""
-        with self._lock:
-            if self._descriptor >= 0:
+        with self._turn:
+            if self._alive.held:
                 self._mine.unlink(missing_ok=True)
-                os.close(self._descriptor)
-                self._descriptor = -1
+                self._alive.release()
 
 
 def _is_free(path: Path) -> bool:
     try:
-        descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC)
+        return not is_locked(path)
     except OSError:
         return False
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    finally:
-        os.close(descriptor)
-    return True

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
-import os
 import time
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
@@ -19,6 +17,7 @@ from rehab_app.services.object_opening import open_store
 from rehab_app.services.object_queue import ErrandQueue, StoredMarks
 from rehab_app.services.object_rooms import Sealed, sealed_files, sealed_named
 from sessions.catalogue import Catalogue
+from sessions.filelock import alone
 from sessions.store import SessionReader
 from sessions.store.object_source import fetch_object, open_object
 from sessions.store.object_store import ObjectStore
@@ -235,15 +234,8 @@ class Uploads:
     @contextmanager
     def _alone(self) -> Generator[None]:
         """One process at a time works errands off; the lock dies with it."""
-        descriptor = os.open(self._queue.lock_path(), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-        try:
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
+        with alone(self._queue.lock_path()) as free:
+            if not free:
                 remedy = "wait until the server, or the other command, has finished"
-                raise Refused(
-                    "object store queue", "being worked off by another process", "free", remedy
-                ) from None
+                raise Refused("object store queue", "being worked off by another process", "free", remedy)
             yield
-        finally:
-            os.close(descriptor)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import fcntl
 import shutil
 import time
 from dataclasses import asdict, dataclass
@@ -15,6 +14,7 @@ from starlette.responses import JSONResponse, Response
 from rehab_app.config import ClinicFolder, HealthSettings
 from rehab_app.services.clinic import Clinic
 from rehab_app.services.sign_ins import IDLE_KEY
+from sessions.filelock import is_locked
 
 _KEPT_S = 1.0
 _PATIENCE_S = 2.0
@@ -103,13 +103,9 @@ class Doctor:
         if self._clinic.lease is None:
             return False
         try:
-            with ClinicFolder(self._clinic.folder).lease.open("rb") as file:
-                fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return True
+            return is_locked(ClinicFolder(self._clinic.folder).lease)
         except OSError:
             return False
-        return False
 
 
 async def ready(request: Request) -> Response:

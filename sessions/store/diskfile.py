@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import hashlib
 import os
 import threading
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from sessions.errors import Refused
+from sessions.filelock import is_locked, lock_open
 
 SUFFIX = ".mcap"
 PARTIAL_SUFFIX = ".partial.mcap"
@@ -29,7 +29,7 @@ class HashedFile:
     def __init__(self, path: Path) -> None:
         self._file: BinaryIO = path.open("xb")
         with contextlib.suppress(OSError):  # a file system without locks can only not tell who writes
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock_open(self._file)
         self._hash = hashlib.sha256()
         self._size = 0
         self._settling = threading.Lock()
@@ -83,13 +83,9 @@ def digest_path(path: Path) -> Path:
 def is_being_written(path: Path) -> bool:
     """Whether a living process holds this partial session open for writing; its lock dies with it."""
     try:
-        with path.open("rb") as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
+        return is_locked(path)
     except OSError:
         return False
-    return False
 
 
 def check_target(path: Path) -> None:
