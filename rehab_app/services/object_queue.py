@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, TypeAlias
+
+from rehab_app.errors import Refused
 
 Act: TypeAlias = Literal["put", "delete"]
 Kind: TypeAlias = Literal["sessions", "takes"]
@@ -57,17 +61,12 @@ class ErrandQueue:
         """Keep an errand; it is on the disk when this returns, and twice is once.
 
         Raises:
-            OSError: The disk refuses.
+            Refused: The disk refuses; nothing is left of the errand.
         """
-        self.folder.mkdir(mode=_PRIVATE, exist_ok=True)
-        target = self.folder / errand.name
-        working = target.with_name(f".{errand.name}.{os.getpid()}")
-        with working.open("w", encoding="utf-8") as file:
-            file.write(errand.path)
-            file.flush()
-            os.fsync(file.fileno())
-        working.replace(target)
-        _settle(self.folder)
+        with _refusing():
+            self.folder.mkdir(mode=_PRIVATE, exist_ok=True)
+            _keep(self.folder / errand.name, errand.path)
+            _settle(self.folder)
 
     def holds(self, errand: Errand) -> bool:
         """Whether an errand still waits."""
@@ -100,15 +99,14 @@ class ErrandQueue:
         """Keep why a pass did not finish; "" once one did.
 
         Raises:
-            OSError: The disk refuses.
+            Refused: The disk refuses.
         """
         path = self.folder / _TROUBLE
-        if not sentence:
-            path.unlink(missing_ok=True)
-            return
-        working = path.with_name(f".{_TROUBLE}.{os.getpid()}")
-        working.write_text(sentence, encoding="utf-8")
-        working.replace(path)
+        with _refusing():
+            if sentence:
+                _keep(path, sentence)
+            else:
+                path.unlink(missing_ok=True)
 
     def _read(self, name: str) -> Errand | None:
         act, _, rest = name.partition("-")
@@ -145,7 +143,7 @@ class StoredMarks:
         """A file lies there, proven.
 
         Raises:
-            OSError: The disk refuses.
+            Refused: The disk refuses.
         """
         self._append(f"+{kind}/{sha256}")
 
@@ -153,12 +151,16 @@ class StoredMarks:
         """A file lies there no more.
 
         Raises:
-            OSError: The disk refuses.
+            Refused: The disk refuses.
         """
         self._append(f"-{kind}/{sha256}")
 
     def _append(self, line: str) -> None:
-        self._file.parent.mkdir(mode=_PRIVATE, exist_ok=True)
+        with _refusing():
+            self._file.parent.mkdir(mode=_PRIVATE, exist_ok=True)
+            self._write(line)
+
+    def _write(self, line: str) -> None:
         with self._file.open("a", encoding="utf-8") as file:
             file.write(f"\n{line}\n")  # a line torn by a power cut must not swallow this one
             file.flush()
@@ -193,7 +195,7 @@ def withdraw(root: Path, named: str) -> None:
         named: Room and digest of the file, with a slash between.
 
     Raises:
-        OSError: The disk refuses.
+        Refused: The disk refuses.
     """
     queue = ErrandQueue(root)
     kind, _, sha256 = named.partition("/")
@@ -201,6 +203,32 @@ def withdraw(root: Path, named: str) -> None:
         return
     queue.add(Errand("delete", kind, sha256))
     queue.remove(Errand("put", kind, sha256))
+
+
+@contextmanager
+def _refusing() -> Generator[None]:
+    """Say in one sentence that the disk refuses."""
+    try:
+        yield
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        remedy = "make room there; what waits is done at the next pass"
+        raise Refused(
+            "queue of the object store", f"not writable ({why})", "on a disk with space", remedy
+        ) from error
+
+
+def _keep(path: Path, text: str) -> None:
+    """Write a small file whole or not at all."""
+    working = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with working.open("w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        working.replace(path)
+    finally:
+        working.unlink(missing_ok=True)
 
 
 def _settle(folder: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -96,7 +96,7 @@ class Uploads:
         Nothing is lost when a process ends between sealing and queuing: the next call finds the file.
 
         Raises:
-            OSError: The disk refuses.
+            Refused: The disk refuses.
         """
         if not self.configured:
             return 0
@@ -120,7 +120,7 @@ class Uploads:
 
         Raises:
             Unreachable: The store does not answer or does not allow it; everything left is kept.
-            Refused: The actor may not, there is no store, or another process is at it.
+            Refused: The actor may not, there is no store, another process is at it, or the disk refuses.
         """
         require(actor, "backup")
         store = self._store()
@@ -129,7 +129,8 @@ class Uploads:
             try:
                 done = self._courier.work_off(store)
             except Refused as refusal:
-                self._queue.keep_trouble(str(refusal))
+                with suppress(Refused):  # a full disk keeps no reason, and must not hide this one
+                    self._queue.keep_trouble(str(refusal))
                 raise
             self._queue.keep_trouble(" ".join(done.refused))
         return done
