@@ -10,6 +10,7 @@ import pytest
 REPOSITORY = Path(__file__).resolve().parents[2]
 PACKAGES = ("rehab_app", "robot_iface", "sessions")
 SOURCES = sorted(path for package in PACKAGES for path in (REPOSITORY / package).rglob("*.py"))
+TESTS = sorted((REPOSITORY / "tests").rglob("*.py"))
 CLOUD_WAYPOINTS = "intermediate" + "_positions"
 VAGUE_NAMES = {"utils", "common", "helpers", "base", "manager"}
 
@@ -36,6 +37,11 @@ def test_files_and_functions_stay_readable(path: Path) -> None:
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             lines = _body_lines(node)
             assert lines <= 40, f"{node.name} has {lines} lines: split it"
+
+
+@pytest.mark.parametrize("path", TESTS, ids=relative)
+def test_files_of_tests_stay_readable(path: Path) -> None:
+    assert path.read_text().count("\n") <= 300, "split the file by subject"
 
 
 def _body_lines(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:

@@ -10,38 +10,7 @@ import pytest
 
 from robot_iface.types import SafetyState
 
-OPENING, CLOSING = np.deg2rad(-15.0), np.deg2rad(30.0)
-
-
-def gliding(rigid: Any, speed_rad_s: float = OPENING, **hand: Any) -> Any:
-    """A hand on its way, at full torque."""
-    rig = rigid.Rig(ramp_s=0.05, **({"q_rad": 0.8, "rest_rad": 0.8, "stiffness": 0.02} | hand))
-    rig.go_active()
-    rig.glide(speed_rad_s, 0.5)
-    rig.speed = np.zeros(3) + speed_rad_s
-    return rig
-
-
-def load(rig: Any, share: float, joint: int = 0) -> None:
-    """From now on the device reports this interaction torque at a joint, as a share of its limit."""
-
-    def corrupt(state: Any) -> Any:
-        torque = state.tau_interaction_nm.copy()
-        torque[joint] = share * rig.limits.tau_interaction_nm[joint]
-        return dataclasses.replace(state, tau_interaction_nm=torque)
-
-    rig.hand.corrupt = corrupt
-
-
-def unload(rig: Any) -> None:
-    rig.hand.corrupt = lambda state: state
-
-
-def until_reversal(rig: Any, at_most: int = 30) -> int:
-    for tick in range(1, at_most + 1):
-        if rig.cycle().reversing:
-            return tick
-    raise AssertionError(f"no reversal: {rig.causes()}")
+from .reversing import CLOSING, OPENING, gliding, load, unload, until_reversal
 
 
 @pytest.mark.parametrize("speed", [OPENING, CLOSING])
@@ -266,37 +235,3 @@ def test_a_stop_and_a_finish_end_it(rigid: Any) -> None:
         outcome = rig.cycle()
         assert rig.hand.mode == "brake"
         assert not outcome.reversing
-
-
-def test_what_leads_back_pushes_with_half_the_limit_at_most(rigid: Any) -> None:
-    """A hand that is blocked on its way back: the spring of the reversal saturates."""
-    rig = gliding(rigid, CLOSING, q_rad=0.3, rest_rad=0.3)
-    rig.multiple = 10.0
-    rig.run(5)
-    load(rig, 1.2)
-    until_reversal(rig)
-    start = rig.states[-1].q_rad.copy()
-    unload(rig)
-    rig.hand.effort = lambda t_s: 30.0 * np.maximum(start - rig.hand.q, 0.0)
-    rig.hand.corrupt = lambda state: dataclasses.replace(state, tau_interaction_nm=np.zeros(3))
-    while rig.cycle().reversing:
-        spring = rig.outcomes[-1].applied
-        pull = spring.stiffness_nm_rad * (spring.q_rad - rig.states[-1].q_rad)
-        assert np.all(np.abs(pull) <= 0.5 * rig.limits.tau_interaction_nm + 1e-9)
-        assert np.all(np.abs(rig.outcomes[-1].applied_tau_nm) < 0.5 * 0.25 + 0.06)
-    assert np.rad2deg(np.abs(rig.states[-1].q_rad - start)).max() < 3.0
-
-
-def test_a_hand_that_goes_back_by_itself_is_only_damped(rigid: Any) -> None:
-    """A flexor pull of 0.07 Nm carries the opening hand back faster than the reversal: no spring holds it."""
-    rig = gliding(rigid)
-    load(rig, -1.2)
-    until_reversal(rig)
-    load(rig, -0.5)
-    rig.hand.effort = lambda t_s: 0.07
-    for _ in range(150):
-        outcome = rig.cycle()
-        assert outcome.reversing
-        spring = outcome.applied.stiffness_nm_rad * (outcome.applied.q_rad - rig.states[-1].q_rad)
-        assert np.all(spring >= 0.0), "a spring holds the hand open while it closes"
-    assert np.rad2deg(rig.states[-1].dq_rad_s.min()) > 30.0

@@ -1,69 +1,14 @@
-"""Exercises, takes, plans and devices in the browser: complete, escaped; forms come back as typed."""
+"""Exercises and takes on the pages: found, added, filtered, compared, withdrawn."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 import pytest
 
-from rehab_app.access import CONSOLE
-from rehab_app.bootstrap import open_clinic
 from rehab_app.services.exercises import STARTERS
-from rehab_app.services.plan_items import PlanItem
-from rehab_app.services.recording_request import RecordingRequest
-from rehab_app.web import create_app
 
-from .conftest import ATTACK, PASSWORD, NoPictures
-
-ITEM = {
-    "key": "0",
-    "exercise": "pinch",
-    "part": "task",
-    "mode": "assistive",
-    "speed": "50",
-    "repetitions": "20",
-    "minutes": "8,5",
-    "hold_s": "1",
-    "warm_up": "2",
-    "support": "as-needed",
-    "stiffness": "3",
-    "resistance": "30",
-    "remark": "",
-    "reason": "",
-    "version": "0",
-}
-
-
-@pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    """A clinic of its own, with a take of a patient's sound hand."""
-    with open_clinic(tmp_path_factory.mktemp("library")) as opened:
-        for role in ("therapist", "assistant", "auditor", "patient"):
-            opened.accounts.add_user(role, role, PASSWORD, CONSOLE)
-        person = opened.patients.add(
-            CONSOLE, given_name=ATTACK, family_name="Weber", birth_date="1957-03-14", side="left"
-        )
-        asked = RecordingRequest(exercise="open_close", side="right", seconds=3.0, person=person.id)
-        opened.takes.record(asked, CONSOLE)
-        yield opened
-
-
-@pytest.fixture(scope="module")
-def app(library):
-    return create_app(library, open_viewports=lambda _: NoPictures())
-
-
-@pytest.fixture
-def someone(library):
-    return library.patients.add(
-        CONSOLE, given_name="Eva", family_name="Lind", birth_date="1960-02-29", side="right"
-    ).id
-
-
-@pytest.fixture
-def recorded(library):
-    return next(row for row in library.takes.list() if not row.parent)
+from ..conftest import ATTACK
 
 
 def test_the_library_shows_every_exercise_with_its_picture(browser):
@@ -203,121 +148,6 @@ def test_a_wrong_retouch_comes_back_with_what_was_typed(browser, library, record
         if value and name in ("start", "end", "slow", "scale")
     )
     assert len(library.takes.list()) == before
-
-
-def test_a_plan_is_made_item_by_item(browser, library, someone):
-    visitor = browser("therapist")
-    assert "Nothing is prescribed yet" in visitor.get(f"/patients/{someone}/plan").text
-    chosen = visitor.get(f"/prescribe?patient={someone}&exercise=place_and_hold").headers["location"]
-    form = visitor.get(chosen.partition("#")[0]).text
-    assert '<option value="place_and_hold" selected>' in form
-    assert 'name="hold_s" inputmode="decimal" value="10"' in form
-    assert visitor.post(f"/patients/{someone}/plan/item", **ITEM).status_code == 303
-    plan = library.plans.current(someone)
-    item = plan.items[0]
-    assert (item.exercise, item.minutes, item.speed, item.warm_up, plan.by) == (
-        "pinch",
-        8.5,
-        0.5,
-        2,
-        "therapist",
-    )
-    more = {**ITEM, "exercise": "wave", "version": str(plan.version)}
-    visitor.post(f"/patients/{someone}/plan/item", **more)
-    plan = library.plans.current(someone)
-    visitor.post(f"/patients/{someone}/plan/move", version=str(plan.version), key="2", how="up")
-    plan = library.plans.current(someone)
-    assert [item.exercise for item in plan.items] == ["wave", "pinch"]
-    frame = {"version": str(plan.version), "sessions_per_week": "5", "goal": f"A glass {ATTACK}"}
-    visitor.post(f"/patients/{someone}/plan/frame", **frame)
-    text = visitor.get(f"/patients/{someone}/plan").text
-    assert "5 sessions a week" in text
-    assert ATTACK not in text
-    assert "no approved take" in text
-
-
-def test_an_assistant_may_lessen_but_not_strengthen(browser, library, someone):
-    asked = replace(library.plans.current(someone), items=(PlanItem(exercise="pinch", repetitions=20),))
-    plan = library.plans.change(CONSOLE, asked)
-    fields = {
-        **ITEM,
-        "key": "1",
-        "part": "active",
-        "mode": "passive",
-        "minutes": "5",
-        "hold_s": "0.5",
-        "warm_up": "0",
-    }
-    fields["version"] = str(plan.version)
-    stronger = browser("assistant").post(f"/patients/{someone}/plan/item", **{**fields, "repetitions": "30"})
-    assert stronger.status_code == 409
-    assert "stronger or another treatment (pinch: more repetitions)" in stronger.text
-    assert 'name="repetitions" inputmode="numeric" value="30"' in stronger.text
-    browser("assistant").post(f"/patients/{someone}/plan/item", **{**fields, "repetitions": "5"})
-    assert library.plans.current(someone).items[0].repetitions == 5
-    plan = library.plans.current(someone)
-    browser("assistant").post(
-        f"/patients/{someone}/plan/move", version=str(plan.version), key="1", how="remove"
-    )
-    assert library.plans.current(someone).items == ()
-
-
-def test_two_people_at_one_plan(browser, library, someone):
-    """The later is told; both texts are on the page, and saving again takes it."""
-    browser("therapist").post(f"/patients/{someone}/plan/item", **{**ITEM, "remark": "the first text"})
-    late = browser("therapist").post(
-        f"/patients/{someone}/plan/item", **{**ITEM, "remark": "the second text"}
-    )
-    assert late.status_code == 409
-    assert "changed by therapist meanwhile" in late.text
-    assert "the first text" in late.text
-    assert "the second text" in late.text
-    version = library.plans.current(someone).version
-    assert f'name="version" value="{version}"' in late.text
-    again = {**ITEM, "remark": "the second text", "version": str(version)}
-    browser("therapist").post(f"/patients/{someone}/plan/item", **again)
-    remarks = [item.remark for item in library.plans.current(someone).items]
-    assert remarks == ["the first text", "the second text"]
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("minutes", "0"),
-        ("minutes", "nan"),
-        ("repetitions", "-1"),
-        ("repetitions", "1e3"),
-        ("speed", "0"),
-        ("warm_up", "21"),
-        ("part", "dinner"),
-        ("support", "much"),
-        ("mode", "dance"),
-        ("exercise", "juggling"),
-        ("take", "ffffffff"),
-        ("remark", "x" * 10_000),
-        ("version", "x"),
-    ],
-)
-def test_a_wrong_item_comes_back_in_a_sentence(browser, library, someone, name, value):
-    typed = {**ITEM, "reason": "my own reason", name: value}
-    answer = browser("therapist").post(f"/patients/{someone}/plan/item", **typed)
-    assert answer.status_code == 409
-    assert 'role="alert"' in answer.text
-    assert "my own reason" in answer.text
-    assert library.plans.current(someone).version == 0
-
-
-@pytest.mark.parametrize("role", ["auditor", "patient"])
-def test_who_may_not_treat_changes_nothing(browser, library, recorded, someone, role):
-    visitor = browser(role)
-    for path in (
-        f"/patients/{someone}/plan/item",
-        f"/takes/{recorded.id}/withdraw",
-        f"/takes/{recorded.id}/retouch",
-        "/exercises",
-    ):
-        assert visitor.post(path, **ITEM).status_code == 403
-    assert library.plans.current(someone).version == 0
 
 
 def test_devices_and_calibration_are_shown(browser):
