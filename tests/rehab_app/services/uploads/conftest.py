@@ -6,12 +6,14 @@ import shutil
 
 import pytest
 
-from rehab_app.access import CONSOLE
+from rehab_app.access import CONSOLE, Account
 from rehab_app.bootstrap import open_clinic
 from rehab_app.config import Settings, StoreSettings
 from rehab_app.services import storage
 from rehab_app.services.object_opening import open_store
 from sessions.catalogue import Take, TherapySession
+
+VIEWER = Account(name="carla", role="auditor", id="7")
 
 
 def seal(clinic, take_file, room, patient=""):

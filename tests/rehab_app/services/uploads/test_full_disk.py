@@ -9,13 +9,11 @@ from contextlib import contextmanager
 
 import pytest
 
-from rehab_app.access import CONSOLE, Account
+from rehab_app.access import CONSOLE
 from rehab_app.errors import REFUSALS, Refused
 from rehab_app.services import storage
 
-from .conftest import row, seal, whole
-
-VIEWER = Account(name="carla", role="auditor", id="7")
+from .conftest import VIEWER, row, seal, whole
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rehab_app.access import CONSOLE, Account
+from rehab_app.access import CONSOLE
 from rehab_app.bootstrap import open_clinic
 from rehab_app.errors import Refused
 from rehab_app.services import storage
@@ -12,9 +12,7 @@ from rehab_app.services.object_opening import open_store
 from sessions.store import SessionReader
 from sessions.store.object_trouble import Unreachable
 
-from .conftest import key, row, seal
-
-VIEWER = Account(name="carla", role="auditor", id="7")
+from .conftest import VIEWER, key, row, seal
 
 
 def test_evicted_session_is_read_in_place_and_fetched(clinic, take_file):

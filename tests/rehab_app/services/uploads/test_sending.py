@@ -10,14 +10,14 @@ from dataclasses import asdict, replace
 
 import pytest
 
-from rehab_app.access import CONSOLE, Account
+from rehab_app.access import CONSOLE
 from rehab_app.bootstrap import open_clinic
 from rehab_app.config import Settings
 from rehab_app.errors import Refused
 from rehab_app.services.object_opening import open_store
 from sessions.store.object_trouble import Unreachable
 
-from .conftest import key, row, seal, whole
+from .conftest import VIEWER, key, row, seal, whole
 
 STEPS = ("put", "prove", "note", "remove")
 KILLED = """
@@ -164,7 +164,7 @@ def test_without_a_store_nothing_is_kept(tmp_path):
 def test_roles(clinic):
     for act in (clinic.uploads.push, lambda who: clinic.uploads.evict(who, 0.0)):
         with pytest.raises(Refused):
-            act(Account(name="carla", role="auditor", id="7"))
+            act(VIEWER)
 
 
 def test_one_process_at_a_time(clinic):

@@ -1,4 +1,4 @@
-"""A clinic with a recorded take and a patient, whose library is read and whose forms are sent."""
+"""A clinic whose library is read and whose forms are sent; a take of a patient where one is asked for."""
 
 from __future__ import annotations
 
@@ -32,15 +32,10 @@ ITEM = {
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
-    """A clinic of its own, with a take of a patient's sound hand."""
+    """A clinic of its own."""
     with open_clinic(tmp_path_factory.mktemp("library")) as opened:
         for role in ("therapist", "assistant", "auditor", "patient"):
             opened.accounts.add_user(role, role, PASSWORD, CONSOLE)
-        person = opened.patients.add(
-            CONSOLE, given_name=ATTACK, family_name="Weber", birth_date="1957-03-14", side="left"
-        )
-        asked = RecordingRequest(exercise="open_close", side="right", seconds=3.0, person=person.id)
-        opened.takes.record(asked, CONSOLE)
         yield opened
 
 
@@ -56,6 +51,12 @@ def someone(library):
     ).id
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def recorded(library):
+    """A take of a patient's sound hand, made only in a module that asks for it: that takes seconds."""
+    person = library.patients.add(
+        CONSOLE, given_name=ATTACK, family_name="Weber", birth_date="1957-03-14", side="left"
+    )
+    asked = RecordingRequest(exercise="open_close", side="right", seconds=3.0, person=person.id)
+    library.takes.record(asked, CONSOLE)
     return next(row for row in library.takes.list() if not row.parent)

@@ -9,6 +9,9 @@ import pytest
 from rehab_app.services.exercises import STARTERS
 
 from ..conftest import ATTACK
+from .conftest import ITEM
+
+pytestmark = pytest.mark.usefixtures("recorded")
 
 
 def test_the_library_shows_every_exercise_with_its_picture(browser):
@@ -163,3 +166,16 @@ def test_devices_and_calibration_are_shown(browser):
     assert board.content.startswith(b"%PDF")
     assert "attachment" in board.headers["content-disposition"]
     assert visitor.get("/clinic/calibration/board.exe").status_code == 404
+
+
+@pytest.mark.parametrize("role", ["auditor", "patient"])
+def test_who_may_not_treat_changes_nothing(browser, library, recorded, someone, role):
+    visitor = browser(role)
+    for path in (
+        f"/patients/{someone}/plan/item",
+        f"/takes/{recorded.id}/withdraw",
+        f"/takes/{recorded.id}/retouch",
+        "/exercises",
+    ):
+        assert visitor.post(path, **ITEM).status_code == 403
+    assert library.plans.current(someone).version == 0
