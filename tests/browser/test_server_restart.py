@@ -50,7 +50,7 @@ def page(visitor, server):
 
 def test_a_killed_server_is_noticed_and_the_page_comes_back_by_itself(page, server, look, capsys):
     play(page)
-    goes_on(page)
+    goes_on(page, page)
     server.kill()
     killed_utc_ns = time.time_ns()
     expect(page.get_by_text("NO CONNECTION")).to_be_visible()
@@ -86,7 +86,7 @@ def test_what_was_interrupted_is_looked_at_and_the_next_run_starts(page, server,
     look("52-interrupted")
     page.goto(server.address + "/live")
     play(page)
-    goes_on(page)
+    goes_on(page, page)
     page.keyboard.press("Escape")
     expect(desk(page)).to_have_attribute("data-state", "stopped")
 
