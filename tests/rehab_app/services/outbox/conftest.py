@@ -12,11 +12,24 @@ from rehab_app.bootstrap import open_clinic
 from rehab_app.config import Settings
 from rehab_app.errors import NoAnswer
 from sessions.catalogue import (
+    AssistanceMemory,
     AuditFilter,
+    DayLimits,
     TherapySession,
 )
 from tests.postgres_server import server
 
+LIMITS = DayLimits(
+    patient="P-0001",
+    side="left",
+    device="sim",
+    wrist_rad=0.0,
+    content="wide",
+    measured_utc_ns=1000,
+    expires_utc_ns=9000,
+    by="anna",
+)
+MEMORY = AssistanceMemory(patient="P-0001", exercise="pinch", device="sim", content="more", session="")
 PASSWORD = "correct horse battery"
 
 

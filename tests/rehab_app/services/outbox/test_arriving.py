@@ -15,14 +15,12 @@ from rehab_app.errors import NoAnswer
 from rehab_app.services.outbox_catalogue import StationCatalogue, open_catalogue
 from rehab_app.services.outbox_folder import OutboxFolder
 from sessions.catalogue import (
-    AssistanceMemory,
     Catalogue,
-    DayLimits,
     FitCheck,
     PatientEntry,
 )
 
-from .conftest import KILLED, away, details, session
+from .conftest import KILLED, LIMITS, MEMORY, away, details, session
 
 
 def test_a_commit_of_which_nobody_knows_is_not_written_twice(room, monkeypatch):
@@ -106,17 +104,8 @@ def test_of_somebody_who_was_erased_meanwhile_no_word_is_kept(room, url, tmp_pat
 
 
 def test_what_a_newer_one_overtook_does_not_count_again(room, url, tmp_path):
-    limits = DayLimits(
-        patient="P-0001",
-        side="left",
-        device="sim",
-        wrist_rad=0.0,
-        content="old",
-        measured_utc_ns=1000,
-        expires_utc_ns=2000,
-        by="anna",
-    )
-    memory = AssistanceMemory(patient="P-0001", exercise="pinch", device="sim", content="old", session="")
+    limits = replace(LIMITS, content="old", expires_utc_ns=2000)
+    memory = replace(MEMORY, content="old")
     with away(room):
         held = room.catalogue.add_session(session(1))
         room.catalogue.add_day_limits(limits)

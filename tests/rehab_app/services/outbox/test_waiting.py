@@ -14,11 +14,10 @@ from rehab_app.services.journal import Note, PainReport
 from rehab_app.services.outbox_folder import OutboxFolder
 from sessions.catalogue import (
     AssistanceMemory,
-    DayLimits,
     PatientEntry,
 )
 
-from .conftest import PASSWORD, away, details, session
+from .conftest import LIMITS, MEMORY, PASSWORD, away, details, session
 
 
 def test_what_ends_a_session_waits_and_arrives_once_in_order(room):
@@ -94,25 +93,14 @@ def test_a_recording_goes_on_and_can_be_looked_at(room):
 
 def test_what_was_measured_meanwhile_holds_at_once(room):
     """The next run is planned within it, and not within what the catalogue said last."""
-    old = DayLimits(
-        patient="P-0001",
-        side="left",
-        device="sim",
-        wrist_rad=0.0,
-        content="wide",
-        measured_utc_ns=1000,
-        expires_utc_ns=9000,
-        by="anna",
-    )
-    memory = AssistanceMemory(patient="P-0001", exercise="pinch", device="sim", content="more", session="")
     first = room.catalogue.add_session(session(1))
-    room.catalogue.add_day_limits(old)
-    room.catalogue.add_assistance(replace(memory, session=first.id))
+    room.catalogue.add_day_limits(LIMITS)
+    room.catalogue.add_assistance(replace(MEMORY, session=first.id))
     assert len(room.catalogue.day_limits("P-0001", "sim")) == 1
     with away(room):
         held = room.catalogue.add_session(session(2))
-        room.catalogue.add_day_limits(replace(old, measured_utc_ns=2000, content="narrow"))
-        room.catalogue.add_assistance(replace(memory, content="less", session=held.id))
+        room.catalogue.add_day_limits(replace(LIMITS, measured_utc_ns=2000, content="narrow"))
+        room.catalogue.add_assistance(replace(MEMORY, content="less", session=held.id))
         contents = [one.content for one in room.catalogue.day_limits("P-0001", "sim")]
         assert contents == ["narrow", "wide"]
         assert room.catalogue.assistance("P-0001", "pinch", "sim").content == "less"
